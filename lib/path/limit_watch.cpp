@@ -117,13 +117,18 @@ void LimitWatch::start(Posture q, double time, std::span<const double> known) {
       if (std::isfinite(law)) value += kTurn * whole_turns(value, law);
       continue;
     }
-    // Moves into the limit, unless this violates its other bound.
+    // Moves between two bounds that are less than a turn apart; between others, the number of turns is not clear.
     const double turns = std::ceil(excess(i, value) / kTurn);
     const double moved = value - sides_[i].sign * kTurn * turns;
-    const auto fits = [&](std::size_t k) { return sides_[k].column != sides_[i].column || excess(k, moved) <= 0; };
-    bool all = turns > 0;
-    for (std::size_t k = 0; k < sides_.size(); ++k) all = all && fits(k);
-    if (all) value = moved;
+    const auto is_other = [&](std::size_t k) { return k != i && sides_[k].column == sides_[i].column; };
+    bool has_two = false, fits = turns > 0;
+    for (std::size_t k = 0; k < sides_.size(); ++k) {
+      if (!is_other(k)) continue;
+      const double apart = -(excess(i, value) + excess(k, value));
+      has_two = true;
+      fits = fits && apart < kTurn && excess(k, moved) <= 0;
+    }
+    if (has_two && fits) value = moved;
   }
   read(q, next_, begin);
   next_time_ = time;

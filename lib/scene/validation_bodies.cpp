@@ -245,7 +245,9 @@ void Validation::place_members(const Body& body, const Where& where) {
       const double along = member.in_ground ? triple::dot(local, frame.x) : local[0];
       const Triple off =
           member.in_ground ? triple::subtract(local, triple::scale(along, frame.x)) : Triple{0, local[1], local[2]};
-      if (usable && triple::norm(off) > kOffLine * triple::norm(local)) {
+      // Near the first point of the base, only rounding of the coordinates is left.
+      const double rounding = is_point ? std::max(triple::norm(member.local), triple::norm(frame.origin)) : 1;
+      if (usable && triple::norm(off) > kOffLine * triple::norm(local) + kRounding * rounding) {
         report(where / (is_point ? "points" : "vectors") / member.name,
                "the member is off the line through " + in_quotes(body.base[0]) +
                    (symbols_.find(body.base[1])->kind == NameKind::point ? " and " : " along ") +

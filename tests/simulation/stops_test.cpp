@@ -162,6 +162,21 @@ TEST(Stops, BeginWithinTheLimitByWholeTurns) {
   expect_event(r.report().events[0], Code::stop_reached, "direction", 8 - kTurn - 0.5);
 }
 
+// With one bound, or with bounds more than a turn apart, any number of turns might be meant.
+TEST(Stops, BeginWhereTheAngleIsIfTurnsAreNotClear) {
+  for (const double most : {HUGE_VAL, 7.2}) {
+    SceneBuilder builder = pump(0.5);
+    builder.measure("direction", AbsoluteAngle{"O", "B"}).limit("direction", 0.8, most);
+    EXPECT_THROW((void)test::run(builder.build()), Error) << most;
+    SceneBuilder flagged = pump(0.5);
+    flagged.measure("direction", AbsoluteAngle{"O", "B"}).limit("direction", 0.8, most, kFlag);
+    const test::Result r = test::run(flagged.build());
+    ASSERT_GE(r.report().events.size(), 1u) << most;
+    EXPECT_EQ(r.report().events[0].kind, Code::limit_exceeded) << most;
+    EXPECT_EQ(r.report().events[0].time, 0) << most;
+  }
+}
+
 // x = a sin(w t) on a slider: peaks of a are touched between the steps.
 Scene slider(double amplitude, double phase, double bound, Limit::Reaction reaction, double step = 0.01) {
   SceneBuilder builder("slider", 2);
