@@ -38,8 +38,8 @@ struct Lanes {
     for (int i = 0; i < kVectors; ++i) hn::StoreU(v[i], D(), to + i * kEach);
   }
 
-  // HWY_ATTR, because GCC compiles friends at the end of the file, where the target is the baseline again. If it does not
-  // inline such a function, caller and function disagree on where vectors are passed.
+  // HWY_ATTR, because GCC compiles friends at the end of the file, where the target is the baseline again. If it does
+  // not inline such a function, caller and function disagree on where vectors are passed.
   friend HWY_INLINE HWY_ATTR Lanes operator+(Lanes a, const Lanes& b) {
     for (int i = 0; i < kVectors; ++i) a.v[i] = hn::Add(a.v[i], b.v[i]);
     return a;
