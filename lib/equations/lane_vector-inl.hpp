@@ -38,19 +38,21 @@ struct Lanes {
     for (int i = 0; i < kVectors; ++i) hn::StoreU(v[i], D(), to + i * kEach);
   }
 
-  friend HWY_INLINE Lanes operator+(Lanes a, const Lanes& b) {
+  // HWY_ATTR, because GCC compiles friends at the end of the file, where the target is the baseline again. If it does
+  // not inline such a function, caller and function disagree on where vectors are passed.
+  friend HWY_INLINE HWY_ATTR Lanes operator+(Lanes a, const Lanes& b) {
     for (int i = 0; i < kVectors; ++i) a.v[i] = hn::Add(a.v[i], b.v[i]);
     return a;
   }
-  friend HWY_INLINE Lanes operator-(Lanes a, const Lanes& b) {
+  friend HWY_INLINE HWY_ATTR Lanes operator-(Lanes a, const Lanes& b) {
     for (int i = 0; i < kVectors; ++i) a.v[i] = hn::Sub(a.v[i], b.v[i]);
     return a;
   }
-  friend HWY_INLINE Lanes operator*(Lanes a, const Lanes& b) {
+  friend HWY_INLINE HWY_ATTR Lanes operator*(Lanes a, const Lanes& b) {
     for (int i = 0; i < kVectors; ++i) a.v[i] = hn::Mul(a.v[i], b.v[i]);
     return a;
   }
-  friend HWY_INLINE Lanes operator/(Lanes a, const Lanes& b) {
+  friend HWY_INLINE HWY_ATTR Lanes operator/(Lanes a, const Lanes& b) {
     for (int i = 0; i < kVectors; ++i) a.v[i] = hn::Div(a.v[i], b.v[i]);
     return a;
   }
@@ -61,16 +63,16 @@ struct Lanes {
   HWY_INLINE void subtract_product(const Lanes& a, const Lanes& b) {
     for (int i = 0; i < kVectors; ++i) v[i] = hn::NegMulAdd(a.v[i], b.v[i], v[i]);
   }
-  friend HWY_INLINE Lanes abs(Lanes a) {
+  friend HWY_INLINE HWY_ATTR Lanes abs(Lanes a) {
     for (int i = 0; i < kVectors; ++i) a.v[i] = hn::Abs(a.v[i]);
     return a;
   }
-  friend HWY_INLINE Lanes sqrt(Lanes a) {
+  friend HWY_INLINE HWY_ATTR Lanes sqrt(Lanes a) {
     for (int i = 0; i < kVectors; ++i) a.v[i] = hn::Sqrt(a.v[i]);
     return a;
   }
   // b if it is larger than a, else a; a if b is NaN.
-  friend HWY_INLINE Lanes max_if_finite(Lanes a, const Lanes& b) {
+  friend HWY_INLINE HWY_ATTR Lanes max_if_finite(Lanes a, const Lanes& b) {
     for (int i = 0; i < kVectors; ++i) {
       const auto larger = hn::And(hn::Gt(b.v[i], a.v[i]), hn::IsFinite(b.v[i]));
       a.v[i] = hn::IfThenElse(larger, b.v[i], a.v[i]);
@@ -78,12 +80,12 @@ struct Lanes {
     return a;
   }
   // Elementwise; the result for NaN differs between targets.
-  friend HWY_INLINE Lanes max(Lanes a, const Lanes& b) {
+  friend HWY_INLINE HWY_ATTR Lanes max(Lanes a, const Lanes& b) {
     for (int i = 0; i < kVectors; ++i) a.v[i] = hn::Max(a.v[i], b.v[i]);
     return a;
   }
   // test > 0 ? yes : no
-  friend HWY_INLINE Lanes if_positive(const Lanes& test, Lanes yes, const Lanes& no) {
+  friend HWY_INLINE HWY_ATTR Lanes if_positive(const Lanes& test, Lanes yes, const Lanes& no) {
     for (int i = 0; i < kVectors; ++i) {
       yes.v[i] = hn::IfThenElse(hn::Gt(test.v[i], hn::Zero(D())), yes.v[i], no.v[i]);
     }
@@ -93,12 +95,12 @@ struct Lanes {
     hn::Mask<D> m[kVectors];
   };
   // False for NaN.
-  friend HWY_INLINE Mask less(const Lanes& a, const Lanes& b) {
+  friend HWY_INLINE HWY_ATTR Mask less(const Lanes& a, const Lanes& b) {
     Mask out;
     for (int i = 0; i < kVectors; ++i) out.m[i] = hn::Lt(a.v[i], b.v[i]);
     return out;
   }
-  friend HWY_INLINE void swap_if(const Mask& mask, Lanes& a, Lanes& b) {
+  friend HWY_INLINE HWY_ATTR void swap_if(const Mask& mask, Lanes& a, Lanes& b) {
     for (int i = 0; i < kVectors; ++i) {
       const V first = a.v[i];
       a.v[i] = hn::IfThenElse(mask.m[i], b.v[i], first);
@@ -106,13 +108,13 @@ struct Lanes {
     }
   }
   // a < b in every lane
-  friend HWY_INLINE bool all_less(const Lanes& a, const Lanes& b) {
+  friend HWY_INLINE HWY_ATTR bool all_less(const Lanes& a, const Lanes& b) {
     bool all = true;
     for (int i = 0; i < kVectors; ++i) all = hn::AllTrue(D(), hn::Lt(a.v[i], b.v[i])) && all;
     return all;
   }
   // a <= b in every lane
-  friend HWY_INLINE bool all_at_most(const Lanes& a, const Lanes& b) {
+  friend HWY_INLINE HWY_ATTR bool all_at_most(const Lanes& a, const Lanes& b) {
     bool all = true;
     for (int i = 0; i < kVectors; ++i) all = hn::AllTrue(D(), hn::Le(a.v[i], b.v[i])) && all;
     return all;

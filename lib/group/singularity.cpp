@@ -1,8 +1,9 @@
 #include "group/singularity.hpp"
 
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+
+#include "decompositions.hpp"
 
 namespace assur {
 namespace {

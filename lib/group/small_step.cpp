@@ -145,6 +145,10 @@ SmallStep* of_size(const GroupClass& group_class, const Program& program, const 
   }
 }
 
+#if HWY_TARGET == HWY_SCALAR || HWY_TARGET == HWY_EMU128
+// Without SIMD, these steps would take half of the compile time of this file. GroupSolver does without them.
+SmallStep* make(const GroupClass&, const Program&, const BlockConditions&, Separable, int) { return nullptr; }
+#else
 SmallStep* make(const GroupClass& group_class, const Program& program, const BlockConditions& blocks,
                 Separable separable, int lanes) {
   switch (lanes) {
@@ -160,6 +164,7 @@ SmallStep* make(const GroupClass& group_class, const Program& program, const Blo
       return nullptr;
   }
 }
+#endif
 
 }  // namespace
 }  // namespace assur::HWY_NAMESPACE

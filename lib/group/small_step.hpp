@@ -35,8 +35,8 @@ class SmallStep {
                                  SmallStepFigures& figures) = 0;
 };
 
-// A SmallStep for a class with 2 or 3 unknowns, all wanted, in one irreducible block of separable equations, and for 8
-// lanes; else null. `program` and `blocks` must outlive it.
+// A SmallStep for a class with 2 or 3 unknowns, all wanted, in one irreducible block of separable equations, and for at
+// most 8 lanes; else null. Null on processors without SIMD. `program` and `blocks` must outlive it.
 [[nodiscard]] std::unique_ptr<SmallStep> make_small_step(const GroupClass& group_class, const Program& program,
                                                          const BlockConditions& blocks, int lanes);
 

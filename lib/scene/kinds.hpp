@@ -74,7 +74,14 @@ struct Row {
   std::array<std::string_view, 2> unknowns{};  // those that a constraint adds: "lambda" is NAME.lambda
   std::string_view not_in_the_plane = {};      // reason why a plane scene cannot have it
 
-  [[nodiscard]] constexpr std::string_view name() const { return std::get<0>(keys).name; }
+  // Empty for a row without keys.
+  [[nodiscard]] constexpr std::string_view name() const {
+    if constexpr (sizeof...(Keys) == 0) {
+      return {};
+    } else {
+      return std::get<0>(keys).name;
+    }
+  }
   [[nodiscard]] constexpr Row brings(std::string_view first, std::string_view second = {}) const {
     return {keys, {first, second}, not_in_the_plane};
   }
