@@ -6,14 +6,12 @@
 #include <set>
 
 #include "index.hpp"
-#include "scene/names.hpp"
 #include "scene/outputs.hpp"
 #include "structure/demand.hpp"
+#include "structure/spins.hpp"
 
 namespace assur {
 namespace {
-
-constexpr std::size_t kMostNamed = 12;
 
 struct IdlePart {
   std::vector<Index> unknowns, equations;
@@ -48,25 +46,32 @@ std::vector<IdlePart> idle_components(const System& s, const Blocks& blocks) {
   return out;
 }
 
-// The bodies that the part moves, else its points, vectors and scalars.
-std::string names_of(const System& s, const IdlePart& part) {
-  std::set<std::string> items, bodies;
-  for (const Index u : part.unknowns) items.insert(s.items[idx(s.coordinates[idx(u)].item)].name);
+// A note for each body that spins, and one for all others that the part moves.
+void describe(const System& s, const IdlePart& part, std::vector<Diagnostic>& notes) {
+  std::set<std::string> items, bodies, spinning;
+  std::set<Index> rest(part.unknowns.begin(), part.unknowns.end());
+  for (const Spin& spin : spins(s, part.unknowns)) {
+    spinning.insert(spin.body);
+    for (const Index u : spin.unknowns) rest.erase(u);
+    notes.push_back(
+        {"/bodies/" + spin.body,
+         "the body may turn about " + spin.line + "; no output and no driver depends on this turn, so " +
+             (spin.beside.empty() ? "it is" : "its points beside the line, " + some_of(spin.beside) + ", are") +
+             " not computed"});
+  }
+  if (rest.empty()) return;
+  for (const Index u : rest) items.insert(s.items[idx(s.coordinates[idx(u)].item)].name);
   const auto is_own = [&](const std::string& name) { return items.count(name) != 0; };
   for (const Body& b : s.scene->bodies()) {
+    if (spinning.count(b.name) != 0) continue;
     if (is_own(b.origin) || std::any_of(b.frame.begin(), b.frame.end(), is_own) ||
         std::any_of(b.base.begin(), b.base.end(), is_own)) {
       bodies.insert(b.name);
     }
   }
-  std::string text;
-  std::size_t count = 0;
   const std::set<std::string>& all = bodies.empty() ? items : bodies;
-  for (const std::string& name : all) {
-    if (count++ == kMostNamed) return text + ", ... (" + std::to_string(all.size()) + " in all)";
-    text += (text.empty() ? "" : ", ") + in_quotes(name);
-  }
-  return text;
+  notes.push_back({"/", "nothing determines the position of " + some_of({all.begin(), all.end()}) +
+                            "; no output and no driver depends on it, so it stays as written and is not computed"});
 }
 
 }  // namespace
@@ -85,9 +90,7 @@ IdleParts find_idle_parts(const System& s, const Blocks& blocks) {
         std::any_of(part.equations.begin(), part.equations.end(), is_of_driver)) {
       continue;
     }
-    idle.notes.push_back({"/", "nothing determines the position of " + names_of(s, part) +
-                                   "; no output and no driver depends on it, so it stays as written and is not "
-                                   "computed"});
+    describe(s, part, idle.notes);
     idle.unknowns.insert(idle.unknowns.end(), part.unknowns.begin(), part.unknowns.end());
     idle.equations.insert(idle.equations.end(), part.equations.begin(), part.equations.end());
   }

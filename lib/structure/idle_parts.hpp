@@ -12,7 +12,7 @@ namespace assur {
 // Unknowns that have more freedoms than equations, and their equations. No output and no driver depends on them.
 struct IdleParts {
   std::vector<Index> unknowns, equations;  // ascending
-  std::vector<Diagnostic> notes;           // one for each part
+  std::vector<Diagnostic> notes;           // one for each body that spins, and for the rest of each part
 };
 
 // Finds the idle parts among the structurally underdetermined unknowns of `blocks`. The equations of all other unknowns
