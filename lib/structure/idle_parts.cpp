@@ -4,6 +4,7 @@
 #include <map>
 #include <numeric>
 #include <set>
+#include <utility>
 
 #include "index.hpp"
 #include "scene/outputs.hpp"
@@ -74,6 +75,22 @@ void describe(const System& s, const IdlePart& part, std::vector<Diagnostic>& no
                             "; no output and no driver depends on it, so it stays as written and is not computed"});
 }
 
+// Removes the terms with the coefficient 0 whose coordinate is listed in `of`. False: there are none.
+bool remove_zeros(System& s, const std::vector<bool>& of) {
+  std::vector<Term> terms;
+  std::vector<Index> start = {0};
+  for (Index f = 0; f < s.forms(); ++f) {
+    for (const Term& t : s.form(f)) {
+      if (!of[idx(t.coordinate)] || s.constants[idx(t.constant)] != 0) terms.push_back(t);
+    }
+    start.push_back(static_cast<Index>(terms.size()));
+  }
+  if (terms.size() == s.terms.size()) return false;
+  s.terms = std::move(terms);
+  s.form_start = std::move(start);
+  return true;
+}
+
 }  // namespace
 
 IdleParts find_idle_parts(const System& s, const Blocks& blocks) {
@@ -97,6 +114,22 @@ IdleParts find_idle_parts(const System& s, const Blocks& blocks) {
   std::sort(idle.unknowns.begin(), idle.unknowns.end());
   std::sort(idle.equations.begin(), idle.equations.end());
   return idle;
+}
+
+bool separate_idle_parts(System& s, std::span<const Index> unknowns) {
+  System without = s;
+  std::vector<bool> of(s.coordinates.size(), false);
+  for (const Index u : unknowns) of[idx(u)] = true;
+  if (!remove_zeros(without, of)) return false;
+  std::vector<Index> equations, mentioned;
+  for (Index e = 0; e < static_cast<Index>(without.equations.size()); ++e) {
+    without.mentioned(e, mentioned);
+    if (std::any_of(mentioned.begin(), mentioned.end(), [&](Index c) { return of[idx(c)]; })) equations.push_back(e);
+  }
+  const IdleParts idle = find_idle_parts(without, decompose(without, equations, unknowns));
+  std::fill(of.begin(), of.end(), false);
+  for (const Index u : idle.unknowns) of[idx(u)] = true;
+  return remove_zeros(s, of);
 }
 
 }  // namespace assur

@@ -1,7 +1,7 @@
 // Parts of a mechanism that may move on their own: a wheel on an axle without a driver, a body that slides freely.
 #pragma once
 
-#include <string>
+#include <span>
 #include <vector>
 
 #include "scene/system.hpp"
@@ -19,5 +19,9 @@ struct IdleParts {
 // mention none of these, so that idle parts can be left out. Parts that an output or the equation of a driver mentions,
 // or that belong to a declared group, are not idle.
 [[nodiscard]] IdleParts find_idle_parts(const System& system, const Blocks& blocks);
+
+// A member on the axis of a strut has the coefficient 0 with a mark beside the axis, and seems to depend on the turn of
+// the strut. Removes such terms with unknowns that are idle without them; false: there are none.
+[[nodiscard]] bool separate_idle_parts(System& system, std::span<const Index> unknowns);
 
 }  // namespace assur

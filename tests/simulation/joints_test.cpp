@@ -511,6 +511,10 @@ TEST(Joints, AJointThatCannotSlideHasTheDisplacementZero) {
                           .output("m")
                           .time(0, 1, 0.125)
                           .build();
+  // The outputs of a pose whose origin is a point of the scene can be asked for again.
+  std::vector<std::string> more = scene.outputs();
+  more.push_back("R.axis.x");
+  EXPECT_EQ(scene.with_outputs(more).outputs(), more);
   const test::Result run = test::run(scene);
   EXPECT_EQ(run.report().status.code, Code::ok);
   const Trajectory& t = run.trajectory;
