@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <cmath>
+#include <set>
+#include <string_view>
 
 #include "assur/plan.hpp"
 #include "parallel/machine.hpp"
@@ -10,6 +12,7 @@
 #include "planning/throughput.hpp"
 #include "planning/together_rules.hpp"
 #include "scene/differences.hpp"
+#include "structure/spins.hpp"
 
 namespace assur {
 namespace {
@@ -25,8 +28,25 @@ Predictor automatic_predictor(const Structure& s, double accuracy) {
   return all ? Predictor{Predictor::Kind::hermite, 5} : Predictor{Predictor::Kind::past, 5};
 }
 
+// Names the bodies if they only spin, else the unknowns.
 void refuse_undetermined(const Structure& s) {
   if (s.undetermined.empty()) return;
+  const std::set<std::string_view> free_names(s.undetermined.begin(), s.undetermined.end());
+  std::vector<Index> free, explained;
+  for (Index c = 0; c < static_cast<Index>(s.system->coordinates.size()); ++c) {
+    if (free_names.count(s.system->coordinate_name(c)) != 0) free.push_back(c);
+  }
+  std::vector<Diagnostic> findings;
+  for (const Spin& spin : spins(*s.system, free)) {
+    explained.insert(explained.end(), spin.unknowns.begin(), spin.unknowns.end());
+    findings.push_back({"/bodies/" + spin.body, "undetermined: the body may turn about " + spin.line +
+                                                    ", and an output or a driver depends on this turn; ask only for "
+                                                    "points on the line, or hold the body"});
+  }
+  std::sort(explained.begin(), explained.end());
+  if (!findings.empty() && std::includes(explained.begin(), explained.end(), free.begin(), free.end())) {
+    throw Error(Error::Kind::input, std::move(findings));
+  }
   std::string names;
   for (std::size_t i = 0; i < s.undetermined.size(); ++i) {
     if (i == 12) {

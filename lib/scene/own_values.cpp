@@ -118,11 +118,11 @@ void append_angles(const System& s, const Axes& axes, std::vector<double>& out) 
 
 bool turns(const System& s, const DriverInput& in) { return in.kind == Kind::frame && in.count > s.dimension; }
 
+}  // namespace
+
 bool is_angle(const System& s, const DriverInput& in, std::size_t law) {
   return in.kind == Kind::direction || (in.kind == Kind::frame && law >= idx(s.dimension));
 }
-
-}  // namespace
 
 std::vector<double> own_values(const System& s, const DriverInput& in, std::span<const double> q) {
   double size = 0;

@@ -11,6 +11,9 @@
 
 namespace assur {
 
+// True if this law of the driver gives an angle.
+[[nodiscard]] bool is_angle(const System& system, const DriverInput& input, std::size_t law);
+
 // The values of a driver in a posture, one for each law; SI units, angles in (-pi, pi].
 [[nodiscard]] std::vector<double> own_values(const System& system, const DriverInput& input, std::span<const double> q);
 

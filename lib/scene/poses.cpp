@@ -38,9 +38,11 @@ class Poses {
     for (Body& b : p_.bodies) body_of_.emplace(b.name, &b);
   }
 
-  void run() {
+  std::vector<std::size_t> run() {
     std::vector<std::string> outputs;
-    for (std::string& text : p_.outputs) {
+    std::vector<std::size_t> written;
+    for (std::size_t i = 0; i < p_.outputs.size(); ++i) {
+      std::string& text = p_.outputs[i];
       const auto [name, part] = split(text);
       const auto found = body_of_.find(name);
       if (found == body_of_.end() || name == kGround || !is_pose(part, p_.dimension)) {
@@ -48,8 +50,10 @@ class Poses {
       } else {
         expand(*found->second, text, part, outputs);
       }
+      written.resize(outputs.size(), i);
     }
     p_.outputs = std::move(outputs);
+    return written;
   }
 
  private:
@@ -111,8 +115,8 @@ bool asks_for_pose(const std::vector<Body>& bodies, const std::vector<std::strin
   return std::any_of(bodies.begin(), bodies.end(), [&](const Body& b) { return asked.count(b.name) != 0; });
 }
 
-void expand_poses(PoseParts parts) {
-  if (asks_for_pose(parts.bodies, parts.outputs)) Poses(parts).run();
+std::vector<std::size_t> expand_poses(PoseParts parts) {
+  return asks_for_pose(parts.bodies, parts.outputs) ? Poses(parts).run() : std::vector<std::size_t>{};
 }
 
 }  // namespace assur

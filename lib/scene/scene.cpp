@@ -65,6 +65,7 @@ void expand_all(const Scene& scene, std::vector<std::string>& outputs) {
 std::vector<std::string> not_there(const Scene& scene, const std::vector<std::string>& outputs) {
   std::unordered_set<std::string_view> names;
   for (const Measure& m : scene.measures()) names.insert(m.name);
+  for (const Point& p : scene.points()) names.insert(p.name);  // the origin of a pose may be in the base of a body
   for (const Body& b : scene.bodies()) {
     for (const Member& m : b.points) names.insert(m.name);
   }
@@ -74,6 +75,15 @@ std::vector<std::string> not_there(const Scene& scene, const std::vector<std::st
     if (names.count(std::string_view(text).substr(0, end)) == 0) missing.push_back(text);
   }
   return missing;
+}
+
+// Poses are several outputs, but places count the outputs as written.
+void name_written_output(const std::vector<std::size_t>& written, std::string& where) {
+  constexpr std::string_view kOutputs = "/outputs/";
+  if (written.empty() || !where.starts_with(kOutputs)) return;
+  const std::size_t end = std::min(where.find('/', kOutputs.size()), where.size());
+  const std::size_t index = std::stoul(where.substr(kOutputs.size(), end - kOutputs.size()));
+  where = (Where("/outputs") / written[index]).text() + where.substr(end);
 }
 
 // The laws of a driver; those of a pose in the order of pose_part().
@@ -217,8 +227,9 @@ Scene SceneBuilder::finish() {
   if (asks_for_pose(parts->bodies, outputs_) || has_joints(joint_parts)) {
     parts->written = std::make_shared<const Scene::Parts>(*parts);
   }
-  expand_poses({parts->dimension, parts->bodies, parts->measures, outputs_});
+  const std::vector<std::size_t> written = expand_poses({parts->dimension, parts->bodies, parts->measures, outputs_});
   const std::vector<Diagnostic> refused = expand_joints(joint_parts);
+  const std::size_t found_before = found_.size();
   found_.insert(found_.end(), refused.begin(), refused.end());
   parts->points.shrink_to_fit();
   parts->constraints.shrink_to_fit();
@@ -229,11 +240,13 @@ Scene SceneBuilder::finish() {
 
   Validation validation(scene, found_);
   const std::vector<Diagnostic> more = validation.scene();
+  found_.insert(found_.end(), more.begin(), more.end());
   std::vector<Diagnostic> findings;
-  for (const Diagnostic& finding : found_) {
-    if (!finding.what.empty()) findings.push_back(finding);
+  for (std::size_t i = 0; i < found_.size(); ++i) {
+    if (found_[i].what.empty()) continue;
+    findings.push_back(found_[i]);
+    if (i >= found_before) name_written_output(written, findings.back().where);
   }
-  findings.insert(findings.end(), more.begin(), more.end());
   refuse_if_any(std::move(findings));
 
   std::vector<Normalised> normalised;

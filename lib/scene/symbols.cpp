@@ -21,6 +21,17 @@ bool defines_names(std::string_view pointer) {
   return part.empty() || part == "/points" || part == "/vectors";
 }
 
+// True for names such as "J.from" and "J.copy0" that joints and poses add for their own equations: no list shows them.
+bool is_hidden(std::string_view name) {
+  static constexpr std::string_view kParts[] = {"from", "to", "arm", "zero", "ex", "ey", "ez"};
+  static constexpr std::string_view kNumbered[] = {"copy", "across", "meet", "turn_"};
+  const std::size_t dot = name.rfind('.');
+  if (dot == name.npos) return false;
+  const std::string_view part = name.substr(dot + 1);
+  return std::find(std::begin(kParts), std::end(kParts), part) != std::end(kParts) ||
+         std::any_of(std::begin(kNumbered), std::end(kNumbered), [&](auto stem) { return part.starts_with(stem); });
+}
+
 }  // namespace
 
 std::string_view with_article(NameKind kind) {
@@ -131,7 +142,7 @@ Symbol* Symbols::find(std::string_view name) {
 std::vector<std::string_view> Symbols::names(std::initializer_list<NameKind> kinds) const {
   std::vector<std::string_view> found;
   for (const auto& [name, kind] : order_) {
-    if (std::find(kinds.begin(), kinds.end(), kind) != kinds.end()) found.push_back(name);
+    if (std::find(kinds.begin(), kinds.end(), kind) != kinds.end() && !is_hidden(name)) found.push_back(name);
   }
   return found;
 }

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scene/joints/joints.hpp"
 #include "scene/outputs.hpp"
 #include "scene/validation_rows.hpp"
 
@@ -170,7 +171,13 @@ void Validation::check_output(const std::string& text, const Where& where) {
     return;
   }
   if (symbol == nullptr) {
-    unknown_name(name, {NameKind::point, NameKind::vector, NameKind::measure}, where, true);
+    const auto joint =
+        std::find_if(scene_.joints().begin(), scene_.joints().end(), [&](const Joint& j) { return j.name == name; });
+    if (joint == scene_.joints().end()) {
+      unknown_name(name, {NameKind::point, NameKind::vector, NameKind::measure}, where, true);
+    } else if (!known_.hides_names()) {
+      report(where, why_no_output(*joint));
+    }
     return;
   }
   if (symbol->broken) return;

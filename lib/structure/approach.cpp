@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "index.hpp"
 #include "scene/own_values.hpp"
 #include "structure/assembly.hpp"
+#include "structure/gearing.hpp"
 
 namespace assur {
 namespace {
@@ -18,16 +18,23 @@ constexpr double kStrideGrowth = 1.5;     // after a step that arrives
 
 class Approach {
  public:
-  Approach(const System& system, const Blocks& blocks, const DriverValues& from, Branch branch,
-           std::vector<Index>& column)
-      : s_(system), blocks_(blocks), from_(from), branch_(branch), column_(column), sign_(idx(blocks.size()), 0) {}
+  Approach(const System& system, const Blocks& blocks, const DriverValues& from, const DriverValues& change,
+           Branch branch, std::vector<Index>& column)
+      : s_(system),
+        blocks_(blocks),
+        from_(from),
+        change_(change),
+        branch_(branch),
+        column_(column),
+        distance_(distance()),
+        sign_(idx(blocks.size()), 0) {}
 
-  bool run(const DriverValues& to, const std::vector<Way>& way, std::vector<double>& q) {
-    aim(to, way);
-    if (!step(0, q)) return false;
+  bool run(std::vector<double>& q) {
+    if (!(distance_ <= kMostApproachSteps * kLongestStride) || !step(0, q)) return false;
     std::vector<double> before = q, next;
     double at = 0, length = kFirst, last = 0;
-    while (at < 1) {
+    for (int steps = 0; at < 1; ++steps) {
+      if (steps == kMostApproachSteps) return false;
       const double target = std::min(1.0, at + (distance_ > 0 ? length / distance_ : 1));
       next = q;
       if (last > 0) {
@@ -49,20 +56,23 @@ class Approach {
   }
 
  private:
-  void aim(const DriverValues& to, const std::vector<Way>& way) {
+  // The longest change of a driver, rad or internal units. With gears the sum of all changes, in teeth: so that no step
+  // skips a tooth.
+  [[nodiscard]] double distance() const {
+    const Gearing gears = gearing(s_);
+    double longest = 0, sum = 0;
     for (std::size_t i = 0; i < s_.inputs.size(); ++i) {
       const DriverInput& in = s_.inputs[i];
-      std::vector<double> change = difference(s_, in, to[i], from_[i]);
-      for (std::size_t k = 0; k < change.size(); ++k) {
-        const bool angle =
-            in.kind == DriverInput::Kind::direction || (in.kind == DriverInput::Kind::frame && k >= idx(s_.dimension));
-        if (angle && way[i] == Way::longer) change[k] -= std::copysign(2 * std::numbers::pi, change[k]);
-        distance_ =
-            std::max(distance_, std::abs(change[k]) /
-                                    (angle ? 1 : s_.unit(in.kind == DriverInput::Kind::frame ? 1 : in.dimension)));
+      for (std::size_t k = 0; k < change_[i].size(); ++k) {
+        const double by = std::abs(change_[i][k]);
+        const int power = in.kind == DriverInput::Kind::frame ? 1 : in.dimension;
+        const double own =
+            is_angle(s_, in, k) ? by : by * std::max(1 / s_.unit(power), power == 1 ? gears.per_metre : 0);
+        longest = std::max(longest, own);
+        sum += own;
       }
-      change_.push_back(std::move(change));
     }
+    return gears.count_turns ? sum * gears.teeth : longest;
   }
 
   // Finds the posture at a share of the way from a nearby posture.
@@ -84,19 +94,18 @@ class Approach {
 
   const System& s_;
   const Blocks& blocks_;
-  const DriverValues& from_;
+  const DriverValues &from_, &change_;
   Branch branch_;
   std::vector<Index>& column_;
-  DriverValues change_;
-  double distance_ = 0;    // the longest change, rad or internal units
+  double distance_;
   std::vector<int> sign_;  // blocks: of the determinant
 };
 
 }  // namespace
 
-bool approach(const System& system, const Blocks& blocks, const DriverValues& from, const DriverValues& to,
-              const std::vector<Way>& way, Branch branch, std::vector<double>& q, std::vector<Index>& column) {
-  return Approach(system, blocks, from, branch, column).run(to, way, q);
+bool approach(const System& system, const Blocks& blocks, const DriverValues& from, const DriverValues& change,
+              Branch branch, std::vector<double>& q, std::vector<Index>& column) {
+  return Approach(system, blocks, from, change, branch, column).run(q);
 }
 
 }  // namespace assur

@@ -1,7 +1,7 @@
 // Parts of a mechanism that may move on their own: a wheel on an axle without a driver, a body that slides freely.
 #pragma once
 
-#include <string>
+#include <span>
 #include <vector>
 
 #include "scene/system.hpp"
@@ -12,12 +12,16 @@ namespace assur {
 // Unknowns that have more freedoms than equations, and their equations. No output and no driver depends on them.
 struct IdleParts {
   std::vector<Index> unknowns, equations;  // ascending
-  std::vector<Diagnostic> notes;           // one for each part
+  std::vector<Diagnostic> notes;           // one for each body that spins, and for the rest of each part
 };
 
 // Finds the idle parts among the structurally underdetermined unknowns of `blocks`. The equations of all other unknowns
 // mention none of these, so that idle parts can be left out. Parts that an output or the equation of a driver mentions,
 // or that belong to a declared group, are not idle.
 [[nodiscard]] IdleParts find_idle_parts(const System& system, const Blocks& blocks);
+
+// A member on the axis of a strut has the coefficient 0 with a mark beside the axis, and seems to depend on the turn of
+// the strut. Removes such terms with unknowns that are idle without them; false: there are none.
+[[nodiscard]] bool separate_idle_parts(System& system, std::span<const Index> unknowns);
 
 }  // namespace assur

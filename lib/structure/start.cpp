@@ -1,6 +1,8 @@
 #include "structure/start.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <iterator>
 #include <numbers>
 #include <numeric>
@@ -20,6 +22,7 @@
 #include "structure/block_names.hpp"
 #include "structure/dense_block.hpp"
 #include "structure/freedoms.hpp"
+#include "structure/gearing.hpp"
 #include "structure/idle_parts.hpp"
 #include "structure/other_postures.hpp"
 #include "structure/rank.hpp"
@@ -32,6 +35,8 @@ namespace {
 constexpr double kSkew = 1e-6;  // error of a frame's axes; a scene may give them with seven digits
 // rad or internal units, from the value of a driver in the scene to that of its law
 constexpr double kFarFromWritten = 0.1;
+constexpr double kAsWritten = 1e-9;        // rad or m: the drivers have their values in the posture as written
+constexpr double kSameTooth = 1e-6;        // internal units; another tooth turns a wheel by more than 2 pi / 1000
 constexpr double kNearby = 0.05;           // rad or internal units: displacement of drivers from a singular posture
 constexpr double kDependentNearby = 1e-7;  // pivots of rows of length 1
 // equations or unknowns; dense decompositions of larger matrices take seconds
@@ -261,6 +266,9 @@ class Start {
   std::vector<Index> column_;  // scratch of DenseBlock
 };
 
+// Direction in which an angle turns.
+enum class Way : std::uint8_t { shorter, longer };
+
 // Finds the start posture in which every driver has the value of its law. Newton's method from a distant guess may end
 // in a posture with another value that satisfies the same equations. Then the drivers are moved to their values step by
 // step.
@@ -270,8 +278,9 @@ class DrivenStart {
       : s_(system), p_(problem), out_(out), column_(system.coordinates.size(), -1) {}
 
   void run() {
-    const Problem asked = p_;
-    const Structure described = out_;
+    Problem asked = p_;
+    Structure described = out_;
+    const bool is_meshed = !asked.is_guess || mesh_gears(asked, described);
     Attempt direct = attempt(asked, described, asked.q);
     std::string wrong = is_assembled(direct.out) ? wrong_driver(direct.problem.q) : "";
     const bool may_be_led = asked.is_guess && direct.problem.blocks.square();
@@ -304,6 +313,11 @@ class DrivenStart {
     if (out_.cannot_assemble.empty()) {
       out_.cannot_assemble = std::move(wrong);
       check_directions();
+    }
+    if (is_assembled(out_) && !(is_meshed && is_same_tooth(asked.q))) {
+      out_.cannot_assemble =
+          "the gears cannot be turned from the posture as written, where their coordinates are 0, to the start "
+          "posture, so their teeth there are not known; describe a posture nearer to the start posture";
     }
     if (asked.is_guess && is_assembled(out_)) {
       note_farthest_point();
@@ -502,6 +516,62 @@ class DrivenStart {
     return false;
   }
 
+  // The changes of the drivers from the posture as written to the start, in the form of DriverValues. Coordinates of
+  // joints count whole turns; other angles turn by the shorter way.
+  DriverValues counted_change(const DriverValues& from, double time, Structure& out) const {
+    const DriverValues wanted = values(p_.q, false);
+    DriverValues change;
+    for (std::size_t i = 0; i < s_.inputs.size(); ++i) {
+      const DriverInput& in = s_.inputs[i];
+      change.push_back(difference(s_, in, wanted[i], from[i]));
+      for (std::size_t k = 0; k < change[i].size(); ++k) {
+        if (!is_angle(s_, in, k)) continue;
+        const double counted = in.laws[k](time).value - from[i][k];
+        if (s_.scene->drivers()[idx(in.driver)].sets_difference) {
+          change[i][k] = counted;
+        } else if (std::abs(counted) > std::numbers::pi) {
+          out.notes.push_back({"/drivers/" + name(in),
+                               "only coordinates of joints count whole turns: from the posture as written to the start "
+                               "the driver turns the gears by " +
+                                   precise(change[i][k]) + " rad, not by " + precise(counted) + " rad"});
+        }
+      }
+    }
+    return change;
+  }
+
+  // Turns the gears from the posture as written to the start with all turns counted: the equation of a gear also holds
+  // at other teeth. Where the other groups cannot follow, they keep their guesses. False: there is no way.
+  bool mesh_gears(Problem& asked, Structure& described) {
+    if (!gearing(s_).count_turns) return true;
+    const DriverValues from = written(), change = counted_change(from, asked.time, described);
+    const auto is_small = [](double by) { return std::abs(by) <= kAsWritten; };
+    if (std::all_of(change.begin(), change.end(),
+                    [&](const auto& all) { return std::all_of(all.begin(), all.end(), is_small); })) {
+      return true;
+    }
+    std::vector<double> q = asked.q;
+    drive_by_values(s_, from, q);
+    const Attempt as_written = attempt(asked, described, q);
+    const Blocks& all = as_written.problem.blocks;
+    if (!all.square()) return false;
+    const Blocks gears = blocks_of_gears(s_, all);
+    const auto reach = [&](const Blocks& blocks, Branch branch) {
+      q = as_written.problem.q;
+      return approach(s_, blocks, from, change, branch, q, column_);
+    };
+    if (!reach(all, Branch::same) && !reach(gears, Branch::same) && !reach(gears, Branch::any)) return false;
+    geared_ = gears.unknowns;
+    for (const Index u : geared_) asked.q[idx(u)] = q[idx(u)];
+    return true;
+  }
+
+  // True if the unknowns of the gears are those to which mesh_gears() led.
+  [[nodiscard]] bool is_same_tooth(const std::vector<double>& led) const {
+    return std::all_of(geared_.begin(), geared_.end(),
+                       [&](Index u) { return std::abs(p_.q[idx(u)] - led[idx(u)]) <= kSameTooth; });
+  }
+
   // Stays on the branch of the guess: first assembles with the values of the drivers in the scene.
   template <class Take>
   bool lead_from_guess(const Blocks& blocks, std::vector<double> q, Branch branch, Take&& take) {
@@ -538,14 +608,25 @@ class DrivenStart {
     }
     if (ways.size() > 2) ways.push_back(all);
     return std::any_of(ways.begin(), ways.end(), [&](const std::vector<Way>& way) {
+      DriverValues change;
+      for (std::size_t i = 0; i < way.size(); ++i) {
+        const DriverInput& in = s_.inputs[i];
+        change.push_back(difference(s_, in, to[i], from[i]));
+        for (std::size_t k = 0; k < change[i].size(); ++k) {
+          if (way[i] == Way::longer && is_angle(s_, in, k)) {
+            change[i][k] -= std::copysign(2 * std::numbers::pi, change[i][k]);
+          }
+        }
+      }
       std::vector<double> led = q;
-      return approach(s_, blocks, from, to, way, branch, led, column_) && take(led);
+      return approach(s_, blocks, from, change, branch, led, column_) && take(led);
     });
   }
 
   const System& s_;
   Problem& p_;
   Structure& out_;
+  std::vector<Index> geared_;  // unknowns of the gears and of the blocks that they read
   std::vector<Index> column_;  // scratch of DenseBlock
 };
 

@@ -10,6 +10,7 @@
 #include "structure/cut.hpp"
 #include "structure/freedoms.hpp"
 #include "structure/grouping.hpp"
+#include "structure/idle_parts.hpp"
 #include "structure/other_postures.hpp"
 #include "structure/presolve.hpp"
 #include "structure/redundant_sets.hpp"
@@ -179,15 +180,20 @@ Structure analyze(const Scene& scene, const StructureOptions& options) {
   const bool at_start = options.posture.empty();
   System s = lower(std::make_shared<const Scene>(scene), options.controlled, !irreducible);
   Problem p;
-  p.unknowns = all_unknowns(s);
-  p.q = at_start ? s.guess : options.posture;
-  p.is_guess = at_start;
-  p.time = at_start ? scene.time().start : options.time;
-
   Structure out;
-  out.formulation = options.formulation;
-  count(s, p.unknowns, out);
-  assemble_start(s, p, out);
+  const auto assemble = [&] {
+    p = {};
+    p.unknowns = all_unknowns(s);
+    p.q = at_start ? s.guess : options.posture;
+    p.is_guess = at_start;
+    p.time = at_start ? scene.time().start : options.time;
+    out = {};
+    out.formulation = options.formulation;
+    count(s, p.unknowns, out);
+    assemble_start(s, p, out);
+  };
+  assemble();
+  if (!out.undetermined.empty() && separate_idle_parts(s, all_unknowns(s))) assemble();
   out.notes.insert(out.notes.end(), s.notes.begin(), s.notes.end());
   drop_repeated(out.notes);
   if (irreducible && out.cannot_assemble.empty()) {

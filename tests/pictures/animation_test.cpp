@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "pictures/unpacked.hpp"
@@ -114,6 +115,36 @@ TEST(Animation, HasTheDirectionsOfTheJoints) {
   ASSERT_EQ(ways.size(), frames * 6);  // the axes of A and D rest
   for (std::size_t f = 0; f < frames; ++f) {
     for (std::size_t c = 0; c < 6; ++c) EXPECT_NEAR(ways[6 * f + c], run(f, c), 2e-7);
+  }
+}
+
+// A coupler with two ball joints turns about itself: its point beside the line is not computed, and not drawn.
+TEST(Animation, LeavesOutPointsThatNothingDetermines) {
+  const Scene scene = SceneBuilder("rssr", 3)
+                          .add(Body{.name = "a"})
+                          .add(Body{.name = "c", .points = {{"side", {0.5, 1.1, 0.2}, true}}})
+                          .add(Body{.name = "b"})
+                          .joint("A", Revolute{"ground", "a", Triple{0, 0, 0}, Triple{0, 0, 1}})
+                          .joint("P", Spherical{"a", "c", Triple{0.4, 0.1, 0.05}})
+                          .joint("Q", Spherical{"c", "b", Triple{0.9, 1.6, 0.5}})
+                          .joint("B", Revolute{"ground", "b", Triple{1.5, 0.6, 0.4}, Triple{0.3, 0.1, 1}})
+                          .drive("motor", DrivenCoordinate{"A.angle", Law::polynomial({0, 6})})
+                          .output("Q")
+                          .time(0, 1, 1.0 / 64)
+                          .build();
+  const Shown shown = show(scene);
+  std::vector<std::string> names;
+  for (const auto& point : shown.data["points"]) names.push_back(point["name"]);
+  const auto has = [&](const char* name) { return std::find(names.begin(), names.end(), name) != names.end(); };
+  EXPECT_TRUE(has("P") && has("Q") && has("A") && has("B"));
+  EXPECT_FALSE(has("side"));
+  const Trajectory run = Simulator(prepare(scene)).run();
+  const auto q = static_cast<std::size_t>(std::find(names.begin(), names.end(), "Q") - names.begin());
+  const std::size_t frames = shown.data["times"].size(), moving = shown.places.size() / 3 / frames;
+  ASSERT_EQ(frames, run.rows());
+  ASSERT_LT(q, moving);
+  for (std::size_t f = 0; f < frames; ++f) {
+    for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(shown.places[3 * (f * moving + q) + k], run(f, k), 1e-6);
   }
 }
 

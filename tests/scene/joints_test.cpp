@@ -124,7 +124,7 @@ TEST(JointFiles, NameWrongCoordinates) {
   EXPECT_EQ(with(2, two, driven("J.displacement")),
             "scene: /drivers/m/coordinate: joint 'J' is revolute and has no displacement; it has: angle");
   EXPECT_EQ(with(2, two, driven("J.angel")),
-            "scene: /drivers/m/coordinate: joint 'J' is revolute and has no angel; it has: angle");
+            "scene: /drivers/m/coordinate: joint 'J' is revolute and has no angel; did you mean 'J.angle'?");
   EXPECT_EQ(with(2, two, driven("J.angle.rate")),
             "scene: /drivers/m/coordinate: joint 'J' is revolute and has no angle.rate; it has: angle");
   EXPECT_EQ(with(2, two, driven("J")),
@@ -152,12 +152,39 @@ TEST(JointFiles, NameWrongCoordinates) {
   const std::string at = R"("at": [0, 0, 0])", axis = R"("axis": [0, 0, 1]})";
   EXPECT_EQ(only("prismatic", axis, "angle"),
             "scene: /drivers/m/coordinate: joint 'J' is prismatic and has no angle; it has: displacement");
-  EXPECT_EQ(
-      only("cylindrical", at + ", " + axis, "displacment"),
-      "scene: /drivers/m/coordinate: joint 'J' is cylindrical and has no displacment; it has: angle, displacement");
+  EXPECT_EQ(only("cylindrical", at + ", " + axis, "displacment"),
+            "scene: /drivers/m/coordinate: joint 'J' is cylindrical and has no displacment; did you mean "
+            "'J.displacement'?");
   EXPECT_EQ(only("spherical", at + "}", "angle"),
             "scene: /drivers/m/coordinate: joint 'J' is spherical; only revolute, prismatic and cylindrical joints "
             "have coordinates");
+}
+
+// Outputs that misspell a coordinate, or name a joint that has no point; places count the outputs as written.
+TEST(JointFiles, NameWrongOutputs) {
+  const std::string slides = R"("bodies": {"a": {}, "b": {}, "c": {}}, "joints": {
+      "J": {"revolute": ["ground", "a"], "at": [0, 0]}, "S": {"prismatic": ["a", "b"], "axis": [1, 0]},
+      "M": {"revolute": ["b", "c"], "at": "Q"}}, "points": {"Q": {"at": [2, 1]}}, "outputs": [)";
+  EXPECT_EQ(refusal(2, slides + R"("a", "J", "S.displacment"])"),
+            "scene: /outputs/2: joint 'S' is prismatic and has no displacment; did you mean 'S.displacement'?");
+  EXPECT_EQ(refusal(2, slides + R"("S.displacment.rate"])"),
+            "scene: /outputs/0: joint 'S' is prismatic and has no displacment; did you mean 'S.displacement'?");
+  EXPECT_EQ(refusal(2, slides + R"("J.angel"])"),
+            "scene: /outputs/0: joint 'J' is revolute and has no angel; did you mean 'J.angle'?");
+  EXPECT_EQ(refusal(2, slides + R"("a", "S"])"),
+            "scene: /outputs/1: 'S' is a joint without a point of its own; its outputs are: 'S.displacement'");
+  EXPECT_EQ(refusal(2, slides + R"("M"])"),
+            "scene: /outputs/0: 'M' is a joint without a point of its own; its outputs are: 'M.angle', 'Q'");
+  EXPECT_EQ(refusal(2, slides + R"("a", "b", "nobody"])"),
+            "scene: /outputs/2: there is no point, vector or measure 'nobody'; there are: Q, a.origin, J, S.axis, "
+            "S.origin, b.origin, a.angle, b.angle");
+}
+
+// The name is the fault, and not the lack of a joint.
+TEST(JointFiles, NameABodyWithABadName) {
+  EXPECT_EQ(refusal(2, R"("bodies": {"a": {}, "my rod": {}}, "joints": {"J": {"revolute": ["ground", "a"],
+                          "at": [0, 0]}})"),
+            "scene: /bodies/my rod: 'my rod' is not a name; use letters, digits and _, and no digit first");
 }
 
 // Two joints of one pair of bodies may lock them.
@@ -168,9 +195,9 @@ TEST(JointFiles, NameWhatOtherJointsLock) {
   EXPECT_EQ(with(2, locked), "accepted");
   EXPECT_EQ(with(2, locked, R"(, "drivers": {"m": {"coordinate": "J.displacement", "law": {"polynomial": [0, 1]}}})"),
             "scene: /drivers/m/coordinate: " + why);
-  EXPECT_EQ(with(2, locked, R"(, "measures": {"m": {"coordinate": "J.displacement"}})"),
-            "scene: /measures/m/coordinate: " + why);
-  EXPECT_EQ(with(2, locked, R"(, "outputs": ["K", "J.displacement"])"), "scene: /outputs/1: " + why);
+  // its displacement is the constant 0
+  EXPECT_EQ(with(2, locked, R"(, "measures": {"m": {"coordinate": "J.displacement"}})"), "accepted");
+  EXPECT_EQ(with(2, locked, R"(, "outputs": ["K", "J.displacement"])"), "accepted");
   // A door with two hinges on one axis, of which the second one may slide.
   EXPECT_EQ(with(3, R"("J": {"cylindrical": ["ground", "a"], "at": [0, 0, 1], "axis": [0, 0, 1]},
                        "K": {"revolute": ["ground", "a"], "at": [0, 0, 0], "axis": [0, 0, 1]}, "L": {"fixed": ["a", "b"]})",

@@ -1,11 +1,14 @@
 // Gears and racks between coordinates of joints.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <string>
 #include <utility>
+#include <vector>
 
+#include "assur/structure.hpp"
 #include "run.hpp"
 #include "scene/gear.hpp"
 #include "scene/triple.hpp"
@@ -170,6 +173,119 @@ TEST(Gears, LongStepsSkipNoTooth) {
       }
     }
   }
+}
+
+// Two wheels on the ground, or on an arm that stands at `arm`; the law of the first wheel begins at `start`.
+SceneBuilder wheels(double ratio, const Law& law, double arm = 0) {
+  SceneBuilder b("wheels", 2);
+  b.add(Body{.name = "arm"})
+      .add(Body{.name = "a"})
+      .add(Body{.name = "b"})
+      .joint("O", Revolute{"ground", "arm", Triple{0, 0}})
+      .joint("A", Revolute{"arm", "a", Triple{0, 0}})
+      .joint("B", Revolute{"arm", "b", Triple{1, 0}})
+      .constrain("gear", Gear{"A.angle", "B.angle", ratio})
+      .drive("arm_motor", DrivenCoordinate{"O.angle", Law::constant(arm)})
+      .drive("motor", DrivenCoordinate{"A.angle", law})
+      .output("B.angle")
+      .time(0, 1, 0.5);
+  return b;
+}
+
+double turns_apart(double a, double b) { return std::remainder(a - b, 2 * kPi); }
+
+// The law need not begin at 0, where the wheels are as written.
+TEST(Gears, StartOnTheToothToWhichTheWheelsTurn) {
+  for (const double ratio : {-0.5, -20.0 / 13, 2.0 / 3, 3.0, 17.0 / 31}) {
+    for (const double start : {0.0, 0.5, 3.2, 6.7, -9.0, 40.0}) {
+      for (const double arm : {0.0, 0.5, 4.0}) {
+        SCOPED_TRACE(testing::Message() << ratio << ' ' << start << ' ' << arm);
+        const test::Result r = test::run(wheels(ratio, Law::polynomial({start, 0.5}), arm).build());
+        EXPECT_EQ(r.report().status.code, Code::ok);
+        const Trajectory& t = r.trajectory;
+        ASSERT_EQ(t.rows(), 3u);
+        for (std::size_t k = 0; k < t.rows(); ++k) {
+          const double wanted = ratio * (start + 0.5 * t.times()[k]);
+          EXPECT_NEAR(turns_apart(t(k, t.index("B.angle")), wanted), 0, 1e-12 * (1 + std::abs(wanted)));
+        }
+      }
+    }
+  }
+}
+
+TEST(Gears, ALaterStartIsOnTheToothOfTheMotion) {
+  const Scene scene = five_bar(-2.0 / 3);
+  const Trajectory all = test::run(scene).trajectory, late = test::run(scene.with_time({1.6, 3, 0.01})).trajectory;
+  ASSERT_EQ(late.rows(), 141u);
+  for (const char* column : {"B.x", "C.x", "C.y", "D.x", "D.y"}) {
+    for (std::size_t k = 0; k < late.rows(); ++k) {
+      EXPECT_NEAR(late(k, late.index(column)), all(k + 160, all.index(column)), 1e-12) << column << ' ' << k;
+    }
+  }
+}
+
+// A displacement tells whole turns of its pinion, and another wheel on the pinion shows them.
+TEST(Gears, ARackStartsWhereItsPinionTurnsIt) {
+  const double radius = 0.05, ratio = 2.0 / 3;
+  for (const bool pinion_drives : {true, false}) {
+    SceneBuilder builder("rack", 2);
+    for (const char* name : {"pinion", "rack", "wheel"}) builder.add(Body{.name = name});
+    builder.joint("A", Revolute{"ground", "pinion", Triple{0, 0}})
+        .joint("S", Prismatic{"ground", "rack", Triple{1, 0}})
+        .joint("B", Revolute{"ground", "wheel", Triple{1, 0}})
+        .constrain("teeth", Gear{"A.angle", "S.displacement", radius})
+        .constrain("wheels", Gear{"A.angle", "B.angle", ratio})
+        .output("A.angle")
+        .output("B.angle")
+        .output("S.displacement")
+        .time(0, 1, 0.125);
+    if (pinion_drives) {
+      builder.drive("motor", DrivenCoordinate{"A.angle", Law::polynomial({50, 1})});
+    } else {
+      builder.drive("cylinder", DrivenCoordinate{"S.displacement", Law::polynomial({50 * radius, radius})});
+    }
+    const Trajectory t = test::run(builder.build()).trajectory;
+    ASSERT_EQ(t.rows(), 9u);
+    for (std::size_t k = 0; k < t.rows(); ++k) {
+      const double angle = 50 + t.times()[k];
+      EXPECT_NEAR(turns_apart(t(k, t.index("A.angle")), angle), 0, 1e-11) << pinion_drives;
+      EXPECT_NEAR(turns_apart(t(k, t.index("B.angle")), ratio * angle), 0, 1e-11) << pinion_drives;
+      EXPECT_NEAR(t(k, t.index("S.displacement")), radius * angle, 1e-12) << pinion_drives;
+    }
+  }
+}
+
+// An angle between points does not tell whole turns: the wheels turn by the shorter way, and a note says so.
+TEST(Gears, OnlyCoordinatesCountWholeTurns) {
+  const auto by_points = [](double start) {
+    return SceneBuilder("wheels", 2)
+        .add(Body{.name = "a", .points = {{"P", {0, -0.5, 0}, true}}})
+        .add(Body{.name = "b"})
+        .joint("A", Revolute{"ground", "a", Triple{0, 0}})
+        .joint("B", Revolute{"ground", "b", Triple{1, 0}})
+        .constrain("gear", Gear{"A.angle", "B.angle", -0.5})
+        .drive("motor", PointAngle{"A", "P", "", Law::polynomial({start, 1})})
+        .output("B.angle")
+        .time(0, 1, 0.5)
+        .build();
+  };
+  for (const double turns : {0.0, 1.0}) {
+    const Scene scene = by_points(-kPi / 2 + 0.2 + 2 * kPi * turns);
+    const Trajectory t = test::run(scene).trajectory;
+    EXPECT_NEAR(t(0, t.index("B.angle")), -0.1, 1e-14);
+    const std::vector<Diagnostic> notes = analyze(scene).notes;
+    EXPECT_EQ(std::count_if(notes.begin(), notes.end(),
+                            [](const Diagnostic& n) {
+                              return n.where == "/drivers/motor" && n.what.starts_with("only coordinates of joints");
+                            }),
+              turns == 0 ? 0 : 1);
+  }
+}
+
+TEST(Gears, AStartThatCannotBeReachedIsRefused) {
+  const Structure far = analyze(wheels(2.0 / 3, Law::constant(1e9)).build());
+  EXPECT_TRUE(far.cannot_assemble.starts_with("the gears cannot be turned from the posture as written"))
+      << far.cannot_assemble;
 }
 
 TEST(Gears, RatiosAreThoseOfWholeNumbers) {

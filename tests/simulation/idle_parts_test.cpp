@@ -2,8 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 #include <string>
+#include <utility>
 
 #include "assur/structure.hpp"
 #include "run.hpp"
@@ -37,6 +39,7 @@ void expect_left_out(int dimension, const SceneBuilder& with, const std::string&
   const Structure s = analyze(scene);
   EXPECT_TRUE(s.undetermined.empty());
   const auto names = [&](const Diagnostic& note) {
+    if (note.where == "/bodies/" + body) return note.what.starts_with("the body may turn about the line through");
     return note.what.starts_with("nothing determines the position of") &&
            note.what.find("'" + body + "'") != std::string::npos;
   };
@@ -100,9 +103,68 @@ TEST(IdleParts, BodiesThatHangOnJointsInSpace) {
       .joint("Q", Spherical{"rod", "lever", Triple{1.5, 1.5, 1}})
       .joint("R", Revolute{"ground", "lever", Triple{2.5, 1.5, 1}, Triple{0, 1, 0.2}});
   const Scene scene = rod.output("Q").time(0, 1.0 / 16, 1.0 / 64).build();
-  EXPECT_TRUE(analyze(scene).undetermined.empty());
+  const Structure s = analyze(scene);
+  EXPECT_TRUE(s.undetermined.empty());
   EXPECT_EQ(test::run(scene).report().status.code, Code::ok);
-  EXPECT_THROW((void)prepare(SceneBuilder(rod).output("side").build()), Error);
+  const auto is_note = [](const Diagnostic& note) {
+    return note.where == "/bodies/rod" &&
+           note.what ==
+               "the body may turn about the line through 'P' and 'Q'; no output and no driver depends on "
+               "this turn, so its points beside the line, 'side', are not computed";
+  };
+  EXPECT_EQ(std::count_if(s.notes.begin(), s.notes.end(), is_note), 1);
+  try {
+    (void)prepare(SceneBuilder(rod).output("side").build());
+    ADD_FAILURE();
+  } catch (const Error& error) {
+    EXPECT_EQ(std::string(error.what()),
+              "/bodies/rod: undetermined: the body may turn about the line through 'P' and 'Q', and an output or a "
+              "driver depends on this turn; ask only for points on the line, or hold the body");
+  }
+}
+
+// A point beside the axis of a driven strut turns with the strut, which nothing else does. An output is held by the
+// struts, of which each has such a point on its lower or upper part, or on both.
+TEST(IdleParts, StrutsWithMarksBesideTheirAxes) {
+  const auto tripod = [](bool lower, bool upper) {
+    SceneBuilder b("tripod", 3);
+    b.add(Body{.name = "plate"});
+    const double turn[] = {0, kTurn / 3, 2 * kTurn / 3};
+    for (int i = 0; i < 3; ++i) {
+      const std::string n = std::to_string(i);
+      const double c = std::cos(turn[i]), s = std::sin(turn[i]);
+      const Triple foot = {c, s, 0.1 * i}, head = {0.5 * c - 0.2 * s, 0.5 * s + 0.2 * c, 1.1};
+      const Triple axis = {head[0] - foot[0], head[1] - foot[1], head[2] - foot[2]};
+      Body l{.name = "l" + n}, u{.name = "u" + n};
+      if (lower) l.points = {marker("low" + n, {1.3 * c, 1.2 * s, 0.3})};
+      if (upper) u.points = {marker("high" + n, {0.9 * c, 0.7 * s, 0.8})};
+      b.add(l).add(u);
+      b.joint("A" + n, Spherical{"ground", "l" + n, foot})
+          .joint("P" + n, Prismatic{"l" + n, "u" + n, axis})
+          .joint("C" + n, Spherical{"u" + n, "plate", head})
+          .drive("m" + n, DrivenCoordinate{"P" + n + ".displacement", Law::harmonics({{0.02, 1.0, 0.7 * i}})});
+    }
+    // the plate turns about a point of the ground
+    b.joint("O", Spherical{"ground", "plate", Triple{0.1, 0, 0.9}}).output("plate").time(0, 1, 1.0 / 32);
+    return b;
+  };
+  const Trajectory without = test::run(tripod(false, false).build()).trajectory;
+  for (const auto& [lower, upper] : {std::pair(true, false), std::pair(false, true), std::pair(true, true)}) {
+    SCOPED_TRACE(testing::Message() << lower << upper);
+    const SceneBuilder marked = tripod(lower, upper);
+    const Scene scene = marked.build();
+    const Structure s = analyze(scene);
+    EXPECT_TRUE(s.undetermined.empty());
+    const auto is_spin = [](const Diagnostic& note) {
+      return note.what.starts_with("the body may turn about the line through ") &&
+             note.what.find(" are not computed") != std::string::npos;
+    };
+    EXPECT_EQ(std::count_if(s.notes.begin(), s.notes.end(), is_spin), lower && upper ? 6 : 3);
+    const test::Result motion = test::run(scene);
+    EXPECT_EQ(motion.report().status.code, Code::ok);
+    EXPECT_LE(test::difference(without, motion.trajectory), 1e-12);
+    EXPECT_THROW((void)prepare(SceneBuilder(marked).output(lower ? "low0" : "high0").build()), Error);
+  }
 }
 
 // A chain of two bodies without a driver.

@@ -496,5 +496,38 @@ TEST(Joints, ASlideThatRestsOnItsArmTurnsWithIt) {
   }
 }
 
+// A shaft with a cylindrical joint and a hinge on one line: the displacement is the constant 0.
+TEST(Joints, AJointThatCannotSlideHasTheDisplacementZero) {
+  const Scene scene = SceneBuilder("shaft", 3)
+                          .add(Body{.name = "d", .points = {{"K", {1, 0.2, 0.5}, true}}})
+                          .joint("H", Cylindrical{"ground", "d", Triple{0, 0, 0}, Triple{0, 0, 1}})
+                          .joint("R", Revolute{"ground", "d", Triple{0, 0, 2}, Triple{0, 0, 1}})
+                          .drive("motor", DrivenCoordinate{"R.angle", Law::polynomial({0, 7})})
+                          .measure("m", MeasuredCoordinate{"H.displacement"})
+                          .output("d")
+                          .output("K")
+                          .output("H.angle")
+                          .output("H.displacement")
+                          .output("m")
+                          .time(0, 1, 0.125)
+                          .build();
+  // The outputs of a pose whose origin is a point of the scene can be asked for again.
+  std::vector<std::string> more = scene.outputs();
+  more.push_back("R.axis.x");
+  EXPECT_EQ(scene.with_outputs(more).outputs(), more);
+  const test::Result run = test::run(scene);
+  EXPECT_EQ(run.report().status.code, Code::ok);
+  const Trajectory& t = run.trajectory;
+  ASSERT_EQ(t.rows(), 9u);
+  for (std::size_t k = 0; k < t.rows(); ++k) {
+    EXPECT_NEAR(t(k, t.index("H.angle")), 7 * t.times()[k], 1e-13);
+    for (const char* name : {"H.displacement", "m"}) {
+      for (const char* part : {"", ".rate", ".acceleration"}) {
+        EXPECT_EQ(t(k, t.index(name + std::string(part))), 0) << name << part;
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace assur

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <unordered_map>
 #include <utility>
 
@@ -61,14 +62,11 @@ Json json(const Drawing::Joint& j) {
           {"driven", j.driven}};
 }
 
-}  // namespace
-
-Scene with_all_places(const Scene& scene) {
-  if (scene.outputs().empty()) return scene;  // computes all outputs
-  std::vector<std::string> outputs = scene.outputs();
+std::vector<std::string> moving_places(const Scene& scene) {
+  std::vector<std::string> places;
   const auto add = [&](const auto& items) {
     for (const auto& item : items) {
-      if (!item.fixed) outputs.push_back(item.name + ".position");
+      if (!item.fixed) places.push_back(item.name);
     }
   };
   add(scene.points());
@@ -76,14 +74,51 @@ Scene with_all_places(const Scene& scene) {
   for (const Body& b : scene.bodies()) {
     if (b.name == "ground") continue;
     for (const auto* members : {&b.points, &b.vectors}) {
-      for (const Member& m : *members) outputs.push_back(m.name + ".position");
+      for (const Member& m : *members) places.push_back(m.name);
     }
   }
-  return scene.with_outputs(std::move(outputs));
+  return places;
+}
+
+// The places that are no outputs of `shown`.
+std::set<std::string> not_shown(const Prepared& shown) {
+  std::set<std::string> columns, missing;
+  for (std::string& name : column_names(*shown.structure->system)) columns.insert(std::move(name));
+  for (std::string& name : moving_places(*shown.scene)) {
+    if (columns.count(name + ".x") == 0) missing.insert(std::move(name));
+  }
+  return missing;
+}
+
+}  // namespace
+
+Scene with_all_places(const Scene& scene) {
+  if (scene.outputs().empty()) return scene;  // computes all outputs
+  std::vector<std::string> places = moving_places(scene);
+  const auto with = [&](const std::vector<std::string>& names) {
+    std::vector<std::string> outputs = scene.outputs();
+    for (const std::string& name : names) outputs.push_back(name + ".position");
+    return scene.with_outputs(std::move(outputs));
+  };
+  for (;;) {
+    Scene all = with(places);
+    const Structure structure = analyze(all);
+    const std::set<std::string> free(structure.undetermined.begin(), structure.undetermined.end());
+    const System& system = *structure.system;
+    const auto is_free = [&](const Term& t) { return free.count(system.coordinate_name(t.coordinate)) != 0; };
+    const std::size_t left_out = std::erase_if(places, [&](const std::string& name) {
+      const Item& item = system.item(name);
+      return std::any_of(item.form, item.form + item.components, [&](Index f) {
+        const auto terms = system.form(f);
+        return std::any_of(terms.begin(), terms.end(), is_free);
+      });
+    });
+    if (left_out == 0) return all;
+  }
 }
 
 Animation::Animation(const Prepared& wanted, const Prepared& shown, std::int64_t steps)
-    : name_(wanted.name), drawing_(drawing_of(*wanted.scene)), steps_(steps) {
+    : name_(wanted.name), drawing_(drawing_of(*wanted.scene, not_shown(shown))), steps_(steps) {
   std::unordered_map<std::string, std::size_t> column;
   for (const std::string& name : column_names(*shown.structure->system)) column.emplace(name, column.size());
   for (std::size_t i = 0; i < drawing_.moving; ++i) {

@@ -13,14 +13,15 @@
 
 namespace assur::pictures {
 
-// The same scene, with the positions of all points and the directions of all vectors among its outputs.
+// The same scene, with the positions of all points and the directions of all vectors among its outputs, except those
+// that no equation determines: points beside the line about which a rod turns freely.
 [[nodiscard]] Scene with_all_places(const Scene& scene);
 
 // Collects the postures of a simulator of with_all_places(scene), step after step.
 class Animation {
  public:
   // `wanted` has the outputs to plot; `shown` has all points and vectors as well. `steps`: number of steps, of which
-  // evenly spaced ones become frames. Throws like drawing_of().
+  // evenly spaced ones become frames. Draws no point that `shown` does not have. Throws like drawing_of().
   Animation(const Prepared& wanted, const Prepared& shown, std::int64_t steps);
 
   // For a scene whose structure `refused` cannot be assembled: shows the guess and the closest posture, with violated

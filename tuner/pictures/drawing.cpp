@@ -44,7 +44,9 @@ int solver_of(const System& system, const std::vector<int>& solver, const Item& 
 
 class Draughtsman {
  public:
-  explicit Draughtsman(const Scene& scene) : scene_(scene) { out_.dimension = scene.dimension(); }
+  Draughtsman(const Scene& scene, std::set<std::string> left_out) : scene_(scene), left_out_(std::move(left_out)) {
+    out_.dimension = scene.dimension();
+  }
 
   Drawing draw() {
     add_points();
@@ -73,6 +75,8 @@ class Draughtsman {
     const std::vector<int> solver = solvers(structure);
     std::vector<Drawing::Point> fixed;
     const auto add = [&](const std::string& name, const Triple& at, bool is_fixed) {
+      // The displacement of a joint that cannot slide is measured by NAME.zero.
+      if (left_out_.count(name) != 0 || name.ends_with(".zero")) return;
       const Item& item = system.item(name);
       (is_fixed ? fixed : out_.points).push_back({name, solver_of(system, solver, item), at});
     };
@@ -231,7 +235,7 @@ class Draughtsman {
   int direction(const std::string& name) {
     if (!indexed_) index_vectors();
     const auto found = directions_.find(name);
-    if (found == directions_.end()) return -1;
+    if (found == directions_.end() || left_out_.count(name) != 0) return -1;
     auto& [index, is] = found->second;
     if (index < 0) {
       index = static_cast<int>(out_.directions.size());
@@ -265,7 +269,7 @@ class Draughtsman {
   void add_joint(const std::string& name, const Kind& j, Drawing::Symbol symbol, int point,
                  std::vector<Drawing::Axis> axes, int origin = -1) {
     if (point < 0) return;
-    std::erase_if(axes, [](const Drawing::Axis& a) { return a.direction < 0 && a.from < 0; });
+    std::erase_if(axes, [](const Drawing::Axis& a) { return a.direction < 0 && (a.from < 0 || a.to < 0); });
     jointed_.insert(point);
     out_.joints.push_back({name, symbol, point, std::move(axes), origin, {j.a, j.b}});
   }
@@ -381,6 +385,7 @@ class Draughtsman {
   };
 
   const Scene& scene_;
+  std::set<std::string> left_out_;
   Drawing out_;
   std::unordered_map<std::string, int> index_;
   std::unordered_map<std::string, std::pair<int, Drawing::Direction>> directions_;  // index, or -1 if not drawn
@@ -401,6 +406,8 @@ class Draughtsman {
 
 }  // namespace
 
-Drawing drawing_of(const Scene& scene) { return Draughtsman(scene).draw(); }
+Drawing drawing_of(const Scene& scene, std::set<std::string> left_out) {
+  return Draughtsman(scene, std::move(left_out)).draw();
+}
 
 }  // namespace assur::pictures

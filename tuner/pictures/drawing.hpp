@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -67,7 +68,8 @@ struct Drawing {
   std::vector<Joint> joints;  // first those of the scene
 };
 
-// Makes the drawing. Groups are those of the formulation `groups` with all outputs. Throws like analyze().
-[[nodiscard]] Drawing drawing_of(const Scene& scene);
+// Makes the drawing, without the points and vectors in `left_out`. Groups are those of the formulation `groups` with
+// all outputs. Throws like analyze().
+[[nodiscard]] Drawing drawing_of(const Scene& scene, std::set<std::string> left_out = {});
 
 }  // namespace assur::pictures

@@ -35,7 +35,9 @@ void Expansion::choose_base(std::size_t s) {
   const auto first = std::find_if(all.begin(), all.end(), [&](std::size_t i) { return features_[i].is_point; });
   Body& body = p_.bodies[solid.bodies.front()];
   if (first == all.end()) {
-    report(Where("/bodies") / body.name, "no joint places this body; a body needs a base, joints, or \"rigid\" points");
+    const std::string bad_name = why_no_name(body.name);  // no joint can name it
+    report(Where("/bodies") / body.name,
+           bad_name.empty() ? "no joint places this body; a body needs a base, joints, or \"rigid\" points" : bad_name);
     return;
   }
   base_.emplace(s, std::vector<std::size_t>{*first});

@@ -22,7 +22,9 @@ std::string no_such_part(const Joint& j, std::string_view kind, std::string_view
   const std::string front = "joint " + in_quotes(j.name) + " is " + std::string(kind);
   const auto parts = coordinates_of(j);
   if (parts.empty()) return front + "; only revolute, prismatic and cylindrical joints have coordinates";
-  return front + " and has no " + excerpt(part) + "; it has: " + list_of(parts);
+  const std::string near = near_miss(part, parts);
+  return front + " and has no " + excerpt(part) +
+         (near.empty() ? "; it has: " + list_of(parts) : "; did you mean " + in_quotes(j.name + "." + near) + "?");
 }
 
 }  // namespace
@@ -35,8 +37,11 @@ Expansion::Coordinate Expansion::coordinate(const std::string& text, const Where
   if (found == joint_of_.end()) return {};
   const Joint* const j = found->second;
   const std::string part = text.substr(dot + 1, text.find('.', dot + 1) - dot - 1);
-  if (part != "angle" && part != "displacement") return {};
   const auto parts = coordinates_of(*j);
+  if (part != "angle" && part != "displacement") {
+    if (!near_miss(part, parts).empty()) report(at, no_such_part(*j, kind_of(*j), part));
+    return {};
+  }
   if (std::find(parts.begin(), parts.end(), part) == parts.end()) {
     report(at, no_such_part(*j, kind_of(*j), part));
     return {};
@@ -217,6 +222,23 @@ void Expansion::between(const Joint& j) {
 }  // namespace assur::joints
 
 namespace assur {
+
+std::string why_no_output(const Joint& j) {
+  std::string point;
+  std::visit(
+      [&](const auto& kind) {
+        if constexpr (requires { kind.at; }) {
+          if (const auto* given = std::get_if<std::string>(&kind.at)) point = *given;
+        }
+      },
+      j.kind);
+  std::string all;
+  const auto list = [&](const std::string& name) { all += (all.empty() ? "" : ", ") + in_quotes(name); };
+  for (const std::string_view part : joints::coordinates_of(j)) list(j.name + "." + std::string(part));
+  if (!point.empty()) list(point);
+  return in_quotes(j.name) + " is a joint without a point of its own; " +
+         (all.empty() ? "it has no coordinates either" : "its outputs are: " + all);
+}
 
 bool asks_for_coordinate(const std::vector<Joint>& joints, const std::vector<std::string>& outputs) {
   std::set<std::string_view> asked;

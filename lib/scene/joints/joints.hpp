@@ -31,6 +31,9 @@ struct JointParts {
 // True if an output asks for a coordinate of a joint.
 [[nodiscard]] bool asks_for_coordinate(const std::vector<Joint>& joints, const std::vector<std::string>& outputs);
 
+// The reason why a joint without a point of its own is no output, with its outputs.
+[[nodiscard]] std::string why_no_output(const Joint& joint);
+
 // Expands all joints, all gears, and all bodies that only joints or `rigid` define. Returns findings; then the lists
 // are as they were, and the findings mark the bodies that have no base.
 [[nodiscard]] std::vector<Diagnostic> expand_joints(JointParts parts);

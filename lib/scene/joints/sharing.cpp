@@ -158,6 +158,7 @@ void Expansion::place_slides() {
   }
 }
 
+// A joint that cannot slide has the constant displacement 0, which can be measured, but neither driven nor geared.
 void Expansion::check_slides() {
   const auto refuse = [&](const Coordinate& of, const Where& at) {
     for (const Slide& s : slides_) {
@@ -167,15 +168,10 @@ void Expansion::check_slides() {
   };
   if (std::none_of(slides_.begin(), slides_.end(), [&](const Slide& s) { return is_locked(s); })) return;
   for (const auto& [d, of] : driven_) refuse(of, Where("/drivers") / d->name / "coordinate");
-  for (const auto& [m, of] : measured_) refuse(of, Where("/measures") / m->name / "coordinate");
   for (const Geared& g : geared_) {
     for (std::size_t side = 0; side < 2; ++side) {
       refuse(g.sides[side], Where("/constraints") / p_.constraints[g.constraint].name / "gear" / side);
     }
-  }
-  for (std::size_t i = 0; i < p_.outputs.size(); ++i) {
-    const Where at = Where("/outputs") / i;
-    if (const Coordinate of = coordinate(p_.outputs[i], at); of.joint != nullptr) refuse(of, at);
   }
 }
 

@@ -151,15 +151,15 @@ void Expansion::set_base(std::size_t s, const std::set<std::string>& still) {
     } else if (base.size() > 1) {
       body.base = base;
       if (in_space() && base.size() == 2) {
-        p_.warnings.push_back({"/bodies/" + body.name,
-                               "the body may turn about the line through " + in_quotes(base[0]) +
-                                   (features_[base_.at(s)[1]].is_point ? " and " : " along ") + in_quotes(base[1]) +
-                                   "; nothing depends on this turn, and it is not computed"});
+        p_.warnings.push_back(
+            {"/bodies/" + body.name, "the turn of the body about the line through " + in_quotes(base[0]) +
+                                         (features_[base_.at(s)[1]].is_point ? " and " : " along ") +
+                                         in_quotes(base[1]) + " is not computed, because nothing depends on it"});
       }
     } else {
       gone_.insert(body.name);
-      p_.warnings.push_back({"/bodies/" + body.name, "the body may turn about " + in_quotes(base[0]) +
-                                                         "; nothing depends on this turn, and it is not computed"});
+      p_.warnings.push_back({"/bodies/" + body.name, "the turn of the body about " + in_quotes(base[0]) +
+                                                         " is not computed, because nothing depends on it"});
     }
   }
 }
@@ -187,6 +187,7 @@ void Expansion::write_coordinates() {
       driver->relative = driver->sets_difference = true;
     } else {
       driver->kind = RelativeAngle{name + ".from", name + ".to", axis, std::move(law)};
+      driver->sets_difference = true;  // from 0
     }
   }
   const auto side = [&](const Coordinate& of) {
@@ -201,6 +202,11 @@ void Expansion::write_coordinates() {
     const std::string axis = in_space() ? features_[axis_of_.at(&j)].name : "";
     if (is_angle) {
       out.kind = AngleBetween{j.name + ".from", j.name + ".to", axis};
+    } else if (std::any_of(slides_.begin(), slides_.end(),
+                           [&](const Slide& s) { return s.joint == &j && is_locked(s); })) {
+      const std::string zero = j.name + ".zero";  // a fixed point at the origin
+      if (feature_of_.count(zero) == 0) declare(features_[add({zero, true, {}, true})]);
+      out.kind = MeasuredCoordinate{zero + ".x"};
     } else {
       out.kind = MeasuredCoordinate{j.name + ".slide.lambda"};
     }
