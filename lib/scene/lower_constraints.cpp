@@ -1,8 +1,11 @@
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <string_view>
 #include <unordered_set>
 
+#include "decimal.hpp"
+#include "scene/names.hpp"
 #include "scene/lowering_parts.hpp"
 
 namespace assur {
@@ -86,8 +89,27 @@ void ConstraintWriter::write_equations() {
 }
 
 void ConstraintWriter::write(const std::string& name, const Distance& c) {
-  const double length = c.value ? *c.value : length_of(subtract(forms_.at(c.p), forms_.at(c.q)));
+  const double written = length_of(subtract(forms_.at(c.p), forms_.at(c.q)));
+  const double length = c.value ? *c.value : written;
+  if (std::abs(length - written) > kDisagree * length) note_new_shape(name, c, written);
   forms_.distance_equation(forms_.source(name), forms_.item(c.p), forms_.item(c.q), length);
+}
+
+// A distance between two points of one base gives the body another shape than the posture as written.
+void ConstraintWriter::note_new_shape(const std::string& name, const Distance& c, double written) {
+  for (const Body& b : forms_.scene().bodies()) {
+    const auto has = [&](const std::string& point) {
+      return std::find(b.base.begin(), b.base.end(), point) != b.base.end();
+    };
+    const bool has_shape = b.base.size() > 2 || !b.points.empty() || !b.vectors.empty();
+    if (!has_shape || !has(c.p) || !has(c.q)) continue;
+    forms_.system().notes.push_back(
+        {"/constraints/" + name, "the distance and `at` disagree: " + in_quotes(c.p) + " and " + in_quotes(c.q) +
+                                     " of body " + in_quotes(b.name) + " are " + general(written, 6) +
+                                     " m apart by `at` and " + general(*c.value, 6) +
+                                     " m by the constraint; the constraint wins, and the body has another shape"});
+    return;
+  }
 }
 
 void ConstraintWriter::write(const std::string& name, const EqualDistance& c) {

@@ -14,7 +14,6 @@
 namespace assur {
 namespace {
 
-constexpr double kDisagree = 1e-3;  // relative difference; guesses are written with three digits or more
 
 // Median binary exponent of the lengths in the scene. Typical lengths become about 1, and scaling all lengths by 2^k
 // moves the median by exactly k.

@@ -22,6 +22,8 @@ using Pair = std::pair<std::string, std::string>;
 inline Pair pair_key(const std::string& a, const std::string& b) { return std::minmax(a, b); }
 
 // Fewer roundings than triple::norm, which guards against overflow.
+inline constexpr double kDisagree = 1e-3;  // relative difference; guesses are written with three digits or more
+
 inline double length_of(const Triple& a) { return std::sqrt(triple::dot(a, a)); }
 inline Triple direction_of(const Triple& a) { return triple::scale(1 / length_of(a), a); }
 
@@ -101,6 +103,7 @@ class ConstraintWriter {
   void declare(const std::string& name, const OnPlane& c);
 
   void write(const std::string& name, const Distance& c);
+  void note_new_shape(const std::string& name, const Distance& c, double written);
   void write(const std::string& name, const EqualDistance& c);
   void write(const std::string& name, const Dot& c);
   void write(const std::string& name, const Parallel& c);

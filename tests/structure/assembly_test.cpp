@@ -210,6 +210,27 @@ TEST(StartNotes, ReportLawsThatDisagreeWithThePosture) {
   }
 }
 
+// A distance constraint between two joints of a coupler with a third point.
+TEST(StartNotes, NameADistanceThatReshapesABody) {
+  const auto notes = [](double length) {
+    SceneBuilder b("coupler", 2);
+    b.add(Body{.name = "a"}).add(Body{.name = "c", .points = {{.name = "M", .local = {1.2, 1.8}, .in_ground = true}}});
+    b.add(Body{.name = "r"});
+    b.joint("A", Revolute{"ground", "a", Triple{0, 0}}).joint("B", Revolute{"a", "c", Triple{0.5, 0.3}});
+    b.joint("C", Revolute{"c", "r", Triple{2, 1.4}}).joint("D", Revolute{"ground", "r", Triple{2.4, 0}});
+    b.constrain("k", Distance{"B", "C", length}).output("M");
+    b.drive("m", DrivenCoordinate{"A.angle", Law::polynomial({0, 0.5})}).time(0, 1, 0.1);
+    return structure(b.build(), Formulation::irreducible).notes;
+  };
+  EXPECT_TRUE(notes(std::hypot(1.5, 1.1)).empty());
+  const std::vector<Diagnostic> found = notes(2);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].where, "/constraints/k");
+  EXPECT_EQ(found[0].what,
+            "the distance and `at` disagree: 'B' and 'C' of body 'c' are 1.86011 m apart by `at` and 2 m by the "
+            "constraint; the constraint wins, and the body has another shape");
+}
+
 // A coordinate that another program computed as 0 has the value of its rounding.
 TEST(StartNotes, DoNotReportRounding) {
   const auto notes = [](double y) {
