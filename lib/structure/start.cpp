@@ -37,6 +37,8 @@ constexpr double kSkew = 1e-6;  // error of a frame's axes; a scene may give the
 constexpr double kFarFromWritten = 0.1;
 constexpr double kAsWritten = 1e-9;        // rad or m: the drivers have their values in the posture as written
 constexpr double kSameTooth = 1e-6;        // internal units; another tooth turns a wheel by more than 2 pi / 1000
+constexpr double kManyTurns = 8;           // of one driver, before a period of the gears is sought
+constexpr int kLongestPeriod = 50;         // turns
 constexpr double kNearby = 0.05;           // rad or internal units: displacement of drivers from a singular posture
 constexpr double kDependentNearby = 1e-7;  // pivots of rows of length 1
 // equations or unknowns; dense decompositions of larger matrices take seconds
@@ -544,7 +546,8 @@ class DrivenStart {
   // at other teeth. Where the other groups cannot follow, they keep their guesses. False: there is no way.
   bool mesh_gears(Problem& asked, Structure& described) {
     if (!gearing(s_).count_turns) return true;
-    const DriverValues from = written(), change = counted_change(from, asked.time, described);
+    const DriverValues from = written();
+    DriverValues change = counted_change(from, asked.time, described);
     const auto is_small = [](double by) { return std::abs(by) <= kAsWritten; };
     if (std::all_of(change.begin(), change.end(),
                     [&](const auto& all) { return std::all_of(all.begin(), all.end(), is_small); })) {
@@ -556,6 +559,7 @@ class DrivenStart {
     const Blocks& all = as_written.problem.blocks;
     if (!all.square()) return false;
     const Blocks gears = blocks_of_gears(s_, all);
+    skip_periods(gears, as_written.problem.q, from, change);
     const auto reach = [&](const Blocks& blocks, Branch branch) {
       q = as_written.problem.q;
       return approach(s_, blocks, from, change, branch, q, column_);
@@ -564,6 +568,29 @@ class DrivenStart {
     geared_ = gears.unknowns;
     for (const Index u : geared_) asked.q[idx(u)] = q[idx(u)];
     return true;
+  }
+
+  // Takes those whole turns of single drivers from `change` after which the gears are as before.
+  void skip_periods(const Blocks& gears, const std::vector<double>& start, const DriverValues& from,
+                    DriverValues& change) {
+    constexpr double kTurn = 2 * std::numbers::pi;
+    for (std::size_t i = 0; i < change.size(); ++i) {
+      for (std::size_t k = 0; k < change[i].size(); ++k) {
+        const double turns = is_angle(s_, s_.inputs[i], k) ? std::floor(std::abs(change[i][k]) / kTurn) : 0;
+        if (turns < kManyTurns) continue;
+        DriverValues turn = change;
+        for (std::vector<double>& all : turn) std::fill(all.begin(), all.end(), 0.0);
+        turn[i][k] = std::copysign(kTurn, change[i][k]);
+        std::vector<double> q = start;
+        const auto is_back = [&](Index u) { return std::abs(q[idx(u)] - start[idx(u)]) <= kSameTooth; };
+        for (int period = 1; period <= kLongestPeriod && period <= turns; ++period) {
+          if (!approach(s_, gears, from, turn, Branch::same, q, column_)) break;
+          if (!std::all_of(gears.unknowns.begin(), gears.unknowns.end(), is_back)) continue;
+          change[i][k] = std::fmod(change[i][k], period * kTurn);
+          break;
+        }
+      }
+    }
   }
 
   // True if the unknowns of the gears are those to which mesh_gears() led.

@@ -213,6 +213,17 @@ TEST(Gears, StartOnTheToothToWhichTheWheelsTurn) {
   }
 }
 
+// After 13 turns of the first wheel both are as written, so that many turns need not be made.
+TEST(Gears, StartAfterThousandsOfTurns) {
+  const double start = 2 * kPi * (13 * 1000 + 5) + 0.3, ratio = -20.0 / 13;
+  for (const double sign : {1.0, -1.0}) {
+    const test::Result r = test::run(wheels(ratio, Law::polynomial({sign * start, 0.5}), 0.5).build());
+    EXPECT_EQ(r.report().status.code, Code::ok);
+    const double wanted = ratio * sign * (2 * kPi * 5 + 0.3);
+    EXPECT_NEAR(turns_apart(r.trajectory(0, r.trajectory.index("B.angle")), wanted), 0, 1e-9);  // rounding of `start`
+  }
+}
+
 TEST(Gears, ALaterStartIsOnTheToothOfTheMotion) {
   const Scene scene = five_bar(-2.0 / 3);
   const Trajectory all = test::run(scene).trajectory, late = test::run(scene.with_time({1.6, 3, 0.01})).trajectory;
@@ -283,7 +294,7 @@ TEST(Gears, OnlyCoordinatesCountWholeTurns) {
 }
 
 TEST(Gears, AStartThatCannotBeReachedIsRefused) {
-  const Structure far = analyze(wheels(2.0 / 3, Law::constant(1e9)).build());
+  const Structure far = analyze(wheels(2.0 / 201, Law::constant(1e9)).build());
   EXPECT_TRUE(far.cannot_assemble.starts_with("the gears cannot be turned from the posture as written"))
       << far.cannot_assemble;
 }
