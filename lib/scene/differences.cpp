@@ -7,6 +7,7 @@
 
 #include "decimal.hpp"
 #include "numbers.hpp"
+#include "scene/gear.hpp"
 #include "scene/outputs.hpp"
 
 namespace assur {
@@ -450,7 +451,8 @@ std::vector<Diagnostic> contradictions(const System& s, const std::vector<double
       check.x[j] = form_value<double>(s, block.coordinates[j], q) * block.unit[j];
     }
     const std::optional<Contradiction> found = check.find(false);
-    if (found)
+    const bool is_out_of_mesh = found && !std::isfinite(found->given) && numbers_of(*block.callback);  // not an error
+    if (found && !is_out_of_mesh)
       out.push_back(
           {"/constraints/" + s.equation_name(block.first_equation), describe(*found, block.callback) + kInstead});
   }

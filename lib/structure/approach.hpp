@@ -21,6 +21,6 @@ enum class Branch : std::uint8_t { same, any };
                             const DriverValues& change, Branch branch, std::vector<double>& q,
                             std::vector<Index>& column);
 
-inline constexpr int kMostApproachSteps = 100000;
+inline constexpr int kMostApproachSteps = 300000;
 
 }  // namespace assur

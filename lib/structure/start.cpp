@@ -316,7 +316,7 @@ class DrivenStart {
       out_.cannot_assemble = std::move(wrong);
       check_directions();
     }
-    if (is_assembled(out_) && !(is_meshed && is_same_tooth(asked.q))) {
+    if (is_assembled(out_) ? !(is_meshed && is_same_tooth(asked.q)) : is_out_of_reach_) {
       out_.cannot_assemble =
           "the gears cannot be turned from the posture as written, where their coordinates are 0, to the start "
           "posture, so their teeth there are not known; describe a posture nearer to the start posture";
@@ -564,7 +564,10 @@ class DrivenStart {
       q = as_written.problem.q;
       return approach(s_, blocks, from, change, branch, q, column_);
     };
-    if (!reach(all, Branch::same) && !reach(gears, Branch::same) && !reach(gears, Branch::any)) return false;
+    if (!reach(all, Branch::same) && !reach(gears, Branch::same) && !reach(gears, Branch::any)) {
+      is_out_of_reach_ = is_assembled(as_written.out);
+      return false;
+    }
     geared_ = gears.unknowns;
     for (const Index u : geared_) asked.q[idx(u)] = q[idx(u)];
     return true;
@@ -653,8 +656,9 @@ class DrivenStart {
   const System& s_;
   Problem& p_;
   Structure& out_;
-  std::vector<Index> geared_;  // unknowns of the gears and of the blocks that they read
-  std::vector<Index> column_;  // scratch of DenseBlock
+  bool is_out_of_reach_ = false;  // the gears mesh in the posture as written, but no way leads to the start
+  std::vector<Index> geared_;     // unknowns of the gears and of the blocks that they read
+  std::vector<Index> column_;     // scratch of DenseBlock
 };
 
 }  // namespace

@@ -297,6 +297,22 @@ TEST(Gears, AStartThatCannotBeReachedIsRefused) {
   const Structure far = analyze(wheels(2.0 / 201, Law::constant(1e9)).build());
   EXPECT_TRUE(far.cannot_assemble.starts_with("the gears cannot be turned from the posture as written"))
       << far.cannot_assemble;
+  // also if the direct way finds no posture, in the place of residuals that are not numbers
+  try {
+    (void)prepare(SceneBuilder("rack", 2)
+                      .add(Body{.name = "pinion"})
+                      .add(Body{.name = "bar"})
+                      .joint("A", Revolute{"ground", "pinion", Triple{0, 0}})
+                      .joint("S", Prismatic{"ground", "bar", Triple{1, 0}})
+                      .constrain("teeth", Gear{"A.angle", "S.displacement", 1e-6})
+                      .drive("cylinder", DrivenCoordinate{"S.displacement", Law::polynomial({3, 1})})
+                      .output("A.angle")
+                      .time(0, 1e-6, 1e-7)
+                      .build());
+    ADD_FAILURE();
+  } catch (const Error& error) {
+    EXPECT_EQ(std::string(error.what()).find("is nan"), std::string::npos) << error.what();
+  }
 }
 
 TEST(Gears, RatiosAreThoseOfWholeNumbers) {
