@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <type_traits>
 
 #include "backends/residual.hpp"
 #include "group/step_rules.hpp"
@@ -22,20 +23,19 @@ constexpr double kHalfEps = kEps / 2;
 constexpr double kMost = std::numeric_limits<double>::max();
 constexpr std::size_t kVectorLanes = 8;
 
-using Sizes = std::array<double, kVectorLanes>;
-
-// Divides the numbers of some lanes, from `from` on, by the largest of each lane; returns these.
-Sizes to_unit_size(LaneArray& unknowns, LaneArray& inputs, std::size_t from, std::size_t lanes) {
-  Sizes largest{}, inverse{};
+// Divides the numbers of `count` lanes, from `from` on, by the largest of each lane; returns these.
+template <std::size_t count>
+std::array<double, count> to_unit_size(LaneArray& unknowns, LaneArray& inputs, std::size_t from, std::size_t lanes) {
+  std::array<double, count> largest{}, inverse{};
   for (const LaneArray* values : {&unknowns, &inputs}) {
     for (std::size_t i = from; i < values->size(); i += lanes) {
-      for (std::size_t l = 0; l < kVectorLanes; ++l) largest[l] = std::max(largest[l], std::abs((*values)[i + l]));
+      for (std::size_t l = 0; l < count; ++l) largest[l] = std::max(largest[l], std::abs((*values)[i + l]));
     }
   }
-  for (std::size_t l = 0; l < kVectorLanes; ++l) inverse[l] = largest[l] > 0 ? std::min(1 / largest[l], kMost) : 0;
+  for (std::size_t l = 0; l < count; ++l) inverse[l] = largest[l] > 0 ? std::min(1 / largest[l], kMost) : 0;
   for (LaneArray* values : {&unknowns, &inputs}) {
     for (std::size_t i = from; i < values->size(); i += lanes) {
-      for (std::size_t l = 0; l < kVectorLanes; ++l) (*values)[i + l] *= inverse[l];
+      for (std::size_t l = 0; l < count; ++l) (*values)[i + l] *= inverse[l];
     }
   }
   return largest;
@@ -47,7 +47,7 @@ ErrorProbe::ErrorProbe(const System& system, Workspace& work, JacobianSolver& so
     : work_(work),
       solver_(solver),
       blocks_(blocks),
-      side_by_side_(std::max<std::size_t>(kVectorLanes / idx(work.lanes), 1)),
+      side_by_side_(work.group_class.quadratic ? std::max<std::size_t>(kVectorLanes / idx(work.lanes), 1) : 1),
       lanes_(idx(work.lanes)),
       size_(work.size()),
       evaluator_(side_by_side_ > 1 ? make_evaluator(system, work.program, static_cast<int>(kVectorLanes)) : nullptr) {
@@ -215,10 +215,17 @@ void ErrorProbe::add_bend(const Pack& pack, Probes probes, const Bend& bend) {
   repeat(bend.inputs->data(), input_direction_);
   const std::size_t wide = side_by_side_ * lanes_;
   std::array<double, kMostLanes> factor{};
-  for (std::size_t from = 0; from < wide; from += kVectorLanes) {
-    const Sizes of_direction = to_unit_size(direction_, input_direction_, from, wide);
-    const Sizes of_probe = to_unit_size(probe_, input_errors_, from, wide);
-    for (std::size_t l = 0; l < kVectorLanes; ++l) factor[from + l] = of_direction[l] * of_probe[l] * bend.times / 4;
+  const auto scale = [&](auto count) {
+    for (std::size_t from = 0; from < wide; from += count) {
+      const auto of_direction = to_unit_size<count>(direction_, input_direction_, from, wide);
+      const auto of_probe = to_unit_size<count>(probe_, input_errors_, from, wide);
+      for (std::size_t l = 0; l < count; ++l) factor[from + l] = of_direction[l] * of_probe[l] * bend.times / 4;
+    }
+  };
+  if (wide < kVectorLanes) {
+    scale(std::integral_constant<std::size_t, 1>());
+  } else {
+    scale(std::integral_constant<std::size_t, kVectorLanes>());
   }
   for (const double side : {1.0, -1.0}) {
     for (std::size_t i = 0; i < moved_.size(); ++i) moved_[i] = direction_[i] + side * probe_[i];
