@@ -1,9 +1,11 @@
 // Misuse of joints is refused with place, problem and remedy, and without further findings.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <string>
 #include <vector>
 
+#include "assur/plan.hpp"
 #include "assur/scene.hpp"
 #include "assur/status.hpp"
 
@@ -248,6 +250,22 @@ TEST(JointFiles, RodsHaveMembersOnTheirLine) {
   EXPECT_EQ(scene.bodies()[0].points[0].local, (Triple{0.5, 0, 0}));
   ASSERT_EQ(scene.warnings().size(), 1u);
   EXPECT_EQ(scene.warnings()[0].where, "/bodies/rod");
+}
+
+// A point of a rod between two balls: rounding away from the end of the rod it is on the line, farther it is not.
+TEST(JointMembers, NearTheEndOfARodAreOnItsLine) {
+  const auto rod = [](double y) {
+    SceneBuilder b("rod", 3);
+    b.add(Body{.name = "a"}).add(Body{.name = "b"});
+    b.add(Body{.name = "c", .points = {{.name = "M", .local = {0.4, y, 0.05}, .in_ground = true}}});
+    b.joint("A", Revolute{"ground", "a", Triple{0, 0, 0}, Triple{0, 0, 1}});
+    b.joint("P", Spherical{"a", "c", Triple{0.4, 0.1, 0.05}}).joint("Q", Spherical{"c", "b", Triple{0.9, 1.6, 0.5}});
+    b.joint("B", Revolute{"ground", "b", Triple{1.5, 0.6, 0.4}, Triple{0.3, 0.1, 1}});
+    b.drive("m", DrivenCoordinate{"A.angle", Law::polynomial({0, 6})}).output("M");
+    return b.time(0, 1, 0.01).build();
+  };
+  for (const double y : {0.1, std::nextafter(0.1, 1), 0.1 + 2e-16}) EXPECT_NO_THROW((void)rod(y)) << y - 0.1;
+  EXPECT_THROW((void)prepare(rod(0.1 + 1e-6)), Error);  // beside the line, and the rod spins
 }
 
 }  // namespace
