@@ -73,8 +73,8 @@ void register_mechanism(const std::string& text, const Scene& scene, const Mecha
   for (const std::string strategy :
        {"irreducible/lanes+predict=hermite:5", "irreducible/lanes+once+predict=hermite:5",
         "irreducible/lanes:8+predict=hermite:5", "irreducible/lanes:8+once+predict=hermite:5",
-        "irreducible/lanes:8+together+predict=hermite:5", "irreducible/klu+predict=hermite:5",
-        "irreducible/eigen+predict=hermite:5", "global/klu+predict=hermite:5"}) {
+        "irreducible/lanes:8+together+predict=hermite:5", "irreducible/lanes:16+together+predict=hermite:5",
+        "irreducible/klu+predict=hermite:5", "irreducible/eigen+predict=hermite:5", "global/klu+predict=hermite:5"}) {
     if (!worth_timing(scene, strategy)) continue;
     benchmark::RegisterBenchmark((text + " " + strategy).c_str(), time_steps, scene, strategy);
   }

@@ -93,11 +93,27 @@ struct Lanes {
   }
   struct Mask {
     hn::Mask<D> m[kVectors];
+
+    friend HWY_INLINE HWY_ATTR Mask operator&(Mask a, const Mask& b) {
+      for (int i = 0; i < kVectors; ++i) a.m[i] = hn::And(a.m[i], b.m[i]);
+      return a;
+    }
+    // True in every lane.
+    HWY_INLINE bool all() const {
+      hn::Mask<D> both = m[0];
+      for (int i = 1; i < kVectors; ++i) both = hn::And(both, m[i]);
+      return hn::AllTrue(D(), both);
+    }
   };
-  // False for NaN.
+  // Both are false for NaN.
   friend HWY_INLINE HWY_ATTR Mask less(const Lanes& a, const Lanes& b) {
     Mask out;
     for (int i = 0; i < kVectors; ++i) out.m[i] = hn::Lt(a.v[i], b.v[i]);
+    return out;
+  }
+  friend HWY_INLINE HWY_ATTR Mask less_equal(const Lanes& a, const Lanes& b) {
+    Mask out;
+    for (int i = 0; i < kVectors; ++i) out.m[i] = hn::Le(a.v[i], b.v[i]);
     return out;
   }
   friend HWY_INLINE HWY_ATTR void swap_if(const Mask& mask, Lanes& a, Lanes& b) {
@@ -106,18 +122,6 @@ struct Lanes {
       a.v[i] = hn::IfThenElse(mask.m[i], b.v[i], first);
       b.v[i] = hn::IfThenElse(mask.m[i], first, b.v[i]);
     }
-  }
-  // a < b in every lane
-  friend HWY_INLINE HWY_ATTR bool all_less(const Lanes& a, const Lanes& b) {
-    bool all = true;
-    for (int i = 0; i < kVectors; ++i) all = hn::AllTrue(D(), hn::Lt(a.v[i], b.v[i])) && all;
-    return all;
-  }
-  // a <= b in every lane
-  friend HWY_INLINE HWY_ATTR bool all_at_most(const Lanes& a, const Lanes& b) {
-    bool all = true;
-    for (int i = 0; i < kVectors; ++i) all = hn::AllTrue(D(), hn::Le(a.v[i], b.v[i])) && all;
-    return all;
   }
   // The largest lane; NaN if there is one.
   HWY_INLINE double largest() const {

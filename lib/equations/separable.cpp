@@ -1,6 +1,10 @@
 #include "equations/separable.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include "index.hpp"
+#include "numbers.hpp"
 
 namespace assur {
 namespace {
@@ -82,6 +86,26 @@ class Separation {
 
 std::optional<Separable> separate(const Program& program, std::span<const std::uint8_t> input_moves) {
   return Separation(program, input_moves).run();
+}
+
+bool measures_distances(const Separable& separable, const Program& program) {
+  const auto literal = [&](std::int32_t coefficient, double none) {
+    if (coefficient == Separable::kNone) return none;
+    const Coefficient& c = program.coefficients[idx(coefficient)];
+    return c == Coefficient{c.literal} ? c.literal : kNan;
+  };
+  const double sign = literal(separable.squares[0].a, 1);
+  if (std::abs(sign) != 1) return false;
+  for (const Separable::Square& q : separable.squares) {
+    if (literal(q.s, 0) != 1 || literal(q.a, 1) != sign) return false;
+  }
+  std::vector<std::int32_t> constants(idx(program.n), 0);
+  for (const Separable::Known& t : separable.known) {
+    if (t.reg != program.one()) return false;
+    ++constants[idx(t.equation)];
+  }
+  return separable.linear.empty() &&
+         std::all_of(constants.begin(), constants.end(), [](std::int32_t count) { return count == 1; });
 }
 
 }  // namespace assur

@@ -40,4 +40,7 @@ struct Separable {
 // The separable form of a program; empty if there is none. input_moves: inputs, 0 if the input never changes.
 [[nodiscard]] std::optional<Separable> separate(const Program& program, std::span<const std::uint8_t> input_moves);
 
+// True for distances: each equation is a sum of (b_ij + x_j)^2, or of (b_ij - x_j)^2, and a constant g_i.
+[[nodiscard]] bool measures_distances(const Separable& separable, const Program& program);
+
 }  // namespace assur

@@ -27,10 +27,11 @@ void GroupSolver::size(Pack& pack) const {
   pack.lipschitz.resize(idx(work_.program.n) * w);
   pack.anchor.resize(guard_.blocks().reads_start(work_.program.blocks) * w);
   pack.omega.assign(idx(work_.program.blocks) * w, 0.0);
-  pack.ball_used.assign(idx(work_.program.blocks), 0.0);
+  pack.own_use.assign(idx(work_.program.blocks), 0.0);
+  pack.ball_used = pack.own_use;
   pack.anchor_rates.resize(pack.anchor.size());
   pack.anchor_time.assign(idx(work_.program.blocks), kNan);
-  pack.kept = {0, 0, 0, pack.ball_used, pack.anchor, pack.anchor_rates, pack.anchor_time, pack.omega, {}};
+  pack.kept = {0, 0, 0, pack.own_use, pack.anchor, pack.anchor_rates, pack.anchor_time, pack.omega, {}};
 }
 
 void GroupSolver::bind_lane(const System& system, const Group& group, Pack& pack, int lane) const {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -36,7 +37,8 @@ struct Pack {
   LaneArray anchor_rates;            // rates at the anchor, same layout
   LaneArray anchor_time;             // blocks: time of the anchor, s; NaN: unknown, or without rates
   LaneArray omega;                   // blocks x W
-  LaneArray ball_used;               // blocks: part of the ball used at the last posture inside it
+  std::span<double> ball_used;       // blocks: part of the ball used at the last posture inside it
+  LaneArray own_use;                 // storage of ball_used, unless packs share an array (see Together)
   LaneArray swaps;                   // row order of a small step, see SmallLu
   Kept kept;
   std::unique_ptr<LinearSolver> solver;  // own solver; null: the packs of the class share one
@@ -50,18 +52,14 @@ struct Pack {
   // Keep copies; to be called before an attempt overwrites the arrays.
   void keep_use(std::int64_t attempt) {
     if (std::exchange(kept.use_of, attempt) == attempt) return;
-    if (ball_used.size() == 1) {  // of most groups
-      kept.ball_used[0] = ball_used[0];
-    } else {
-      kept.ball_used = ball_used;
-    }
+    std::copy(ball_used.begin(), ball_used.end(), kept.ball_used.begin());
   }
   void keep_anchor(std::int64_t attempt) {
     if (std::exchange(kept.anchor_of, attempt) != attempt) copy_anchor(kept);
   }
   // Restores the pack to its state before the attempt, except for the pivot orders of `solver`.
   void undo(std::int64_t attempt) {
-    if (kept.use_of == attempt) ball_used.swap(kept.ball_used);
+    if (kept.use_of == attempt) std::copy(kept.ball_used.begin(), kept.ball_used.end(), ball_used.begin());
     if (kept.anchor_of == attempt) {
       anchor.swap(kept.anchor);
       anchor_rates.swap(kept.anchor_rates);
@@ -75,11 +73,11 @@ struct Pack {
 
   // Everything that the next step depends on, except for `solver`.
   void save(Kept& into) const {
-    into.ball_used = ball_used;
+    into.ball_used.assign(ball_used.begin(), ball_used.end());
     copy_anchor(into);
   }
   void restore(const Kept& from) {
-    ball_used = from.ball_used;
+    std::copy(from.ball_used.begin(), from.ball_used.end(), ball_used.begin());
     anchor = from.anchor;
     anchor_rates = from.anchor_rates;
     anchor_time = from.anchor_time;

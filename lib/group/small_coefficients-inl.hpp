@@ -7,8 +7,8 @@
 #define ASSUR_SMALL_COEFFICIENTS_INL
 #endif
 
-#include "equations/lane_vector-inl.hpp"
 #include "group/gather-inl.hpp"
+#include "group/small_algebra-inl.hpp"
 
 #include <algorithm>
 #include <span>
@@ -26,7 +26,7 @@ namespace assur::HWY_NAMESPACE {
 
 // The numbers of a Separable at one time, from the inputs of a pack. Registers as in Program, and a last one of zeros.
 template <int W, int N>
-class Coefficients {
+class Coefficients : public SmallAlgebra<W, N> {
   using L = Lanes<W>;
   enum Part { kValue, kMagnitude, kRate, kAcceleration, kParts };
 
@@ -81,12 +81,6 @@ class Coefficients {
   HWY_INLINE void set_accelerations(const InputRow* rows, const std::int32_t* addresses, const double* state) {
     derive<kAcceleration>(rows, addresses, state);
   }
-  HWY_INLINE void set_rates(const Pack& pack, const double* state) {
-    set_rates(pack.input_rows.data(), pack.inputs.data(), state);
-  }
-  HWY_INLINE void set_accelerations(const Pack& pack, const double* state) {
-    set_accelerations(pack.input_rows.data(), pack.inputs.data(), state);
-  }
   // The next calls are about this pack. set_inputs() includes it.
   HWY_INLINE void turn_to(const Pack& pack) { k_ = pack.coefficients.data(); }
   // A coefficient of the program in all lanes.
@@ -137,15 +131,7 @@ class Coefficients {
   // omega * largest |coordinate - anchor|: see PackKernels.
   HWY_INLINE L ball_use(const Pack& pack, std::span<const std::int32_t> coordinates, const L (&x)[N]) {
     for (int j = 0; j < N; ++j) x[j].store(at(kValue, j));
-    L moved = L::set(0), poison = L::set(0);
-    const double* anchor = pack.anchor.data();
-    for (const std::int32_t c : coordinates) {
-      const L by = get(kValue, c) - L::load(anchor);
-      moved = max(moved, abs(by));
-      poison.add_product(by, L::set(0));
-      anchor += W;
-    }
-    return if_positive(moved, moved * L::load(pack.omega.data()), moved) + poison;
+    return this->part_of_ball(pack, coordinates, [&](std::int32_t c) { return get(kValue, c); });
   }
 
  private:

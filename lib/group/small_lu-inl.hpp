@@ -69,7 +69,7 @@ class SmallLu {
       determinant = f_[0][0] * f_[1][1];
       determinant.subtract_product(f_[1][0], f_[0][1]);
     }
-    bool good = true;
+    typename L::Mask good = less(L::set(0), L::set(1));
     for (int k = 0; k < N; ++k) {
       // The second of two pivots is determinant / first, so that both divisions run at the same time.
       reciprocal_[k] = N == 2 && k == 1 ? f_[0][0] / determinant : L::set(1) / f_[k][k];
@@ -83,10 +83,10 @@ class SmallLu {
       }
       L least = smallest;
       least.add_product(of_a[k], pivot);
-      good = all_less((of_l + of_u) * shrink * largest_u, of_a[k]) && all_less(least, of_pivot) && good;
+      good = good & less((of_l + of_u) * shrink * largest_u, of_a[k]) & less(least, of_pivot);
       largest_u = max(largest_u, of_u * reciprocal_[k] * reciprocal_[k]);
     }
-    return good;
+    return good.all();
   }
 
   HWY_INLINE void solve(const L (&b)[N], L (&x)[N]) const {

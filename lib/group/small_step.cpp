@@ -35,7 +35,7 @@ class SmallStepOf final : public SmallStep {
     Column x, phi;
     Matrix u, jacobian;
     Equations::load(state + pack.unknowns, x);
-    s_.coefficients().set_inputs(pack, state);
+    s_.set_inputs(pack, state);
     s_.evaluate(x, u, phi);
     s_.differentiate(u, jacobian);
     for (LaneArray* swaps : {&pack.swaps, &pack.kept.swaps}) swaps->resize(SmallLu<W, N>::kSwaps * W);
@@ -47,10 +47,10 @@ class SmallStepOf final : public SmallStep {
     Column x;
     Matrix u;  // a_ij x_j + b_ij
     Equations::load(state[0] + pack.unknowns, x);
-    s_.coefficients().set_inputs(pack, state[0]);
+    s_.set_inputs(pack, state[0]);
     if (!newton(pack, x, u, most_iterations, converged, figures)) return false;
     if (derivatives_ > 0 && !derivatives(pack, x, u, state, figures)) return false;
-    figures.ball_used = s_.coefficients().ball_use(pack, reads_, x).largest();
+    figures.ball_used = s_.ball_use(pack, reads_, x).largest();
     Equations::store(x, state[0] + pack.unknowns);
     return true;
   }
@@ -74,7 +74,7 @@ class SmallStepOf final : public SmallStep {
         if (!std::isfinite(relative)) return false;
         const double before = Equations::largest_ratio(phi_before, scale);
         // All terms of an equation may vanish at a posture, unless it is a sum of squares and a constant.
-        if (s_.coefficients().may_vanish() && iteration > 1 && falls_slowly(relative, before)) return false;
+        if (s_.may_vanish() && iteration > 1 && falls_slowly(relative, before)) return false;
         if (only_rounding_is_left(relative, before)) break;
       }
       for (int i = 0; i < N; ++i) phi_before[i] = phi[i];
@@ -103,14 +103,14 @@ class SmallStepOf final : public SmallStep {
     s_.differentiate(u, jacobian);
     if (!lu_.factorize(jacobian, pack.swaps.data())) return false;
     const L norm = Equations::norm_of(jacobian);
-    s_.coefficients().set_rates(pack, state[1]);
+    s_.set_rates(pack.input_rows.data(), pack.inputs.data(), state[1]);
     Column rhs, rate;
     s_.velocity_rhs(x, u, rhs);
     lu_.solve(rhs, rate);
     figures.velocity = Equations::residual(jacobian, norm, rate, rhs, figures.velocity);
     Equations::store(rate, state[1] + pack.unknowns);
     if (derivatives_ > 1) {
-      s_.coefficients().set_accelerations(pack, state[2]);
+      s_.set_accelerations(pack.input_rows.data(), pack.inputs.data(), state[2]);
       s_.acceleration_rhs(x, u, rate, rhs);
       Column acceleration;
       lu_.solve(rhs, acceleration);

@@ -5,6 +5,7 @@
 
 #include "group/together_step.hpp"
 
+#include "group/distance_system-inl.hpp"
 #include "group/small_lu-inl.hpp"
 #include "group/small_system-inl.hpp"
 
@@ -20,10 +21,10 @@ HWY_BEFORE_NAMESPACE();
 namespace assur::HWY_NAMESPACE {
 namespace {
 
-template <int W, int N>
+// Equations: SmallSystem or DistanceSystem
+template <int W, int N, class Equations>
 class TogetherStepOf final : public TogetherStep {
   using L = Lanes<W>;
-  using Equations = SmallSystem<W, N>;
   using Column = typename Equations::Column;
   using Matrix = typename Equations::Matrix;
 
@@ -49,6 +50,7 @@ class TogetherStepOf final : public TogetherStep {
     }
     slopes_.assign(packs_.size() * entries_.size() * W, 0.0);
     used_.assign(packs_.size() * W, 0.0);
+    balls_last_.assign(packs_.size(), 0);
     numbers_.resize(packs_.size());
   }
 
@@ -62,9 +64,9 @@ class TogetherStepOf final : public TogetherStep {
       Column phi;
       load_unknowns(pack, state, m.x);
       if (iteration == 0) {
-        c().set_inputs(pack.pack, state);
+        s_.set_inputs(pack.pack, state);
       } else {
-        c().template set_inputs<false>(pack.pack, state);
+        s_.template set_inputs<false>(pack.pack, state);
       }
       s_.evaluate(m.x, m.u, phi);
       if (iteration == 0) {
@@ -78,15 +80,19 @@ class TogetherStepOf final : public TogetherStep {
         const double relative = Equations::largest_ratio(phi, m.scale);
         if (!std::isfinite(relative)) return Progress::failed;
         const double before = Equations::largest_ratio(m.phi, m.scale);
-        if (c().may_vanish() && iteration > 1 && falls_slowly(relative, before)) return Progress::failed;
+        if (s_.may_vanish() && iteration > 1 && falls_slowly(relative, before)) return Progress::failed;
         solved = only_rounding_is_left(relative, before);
       }
-      if (!Equations::at_most(phi, m.scale, figures.position)) {
+      if (!solved) {
+        progress = Progress::open;
+      } else if (!Equations::at_most(phi, m.scale, figures.position)) {
         figures.position = Equations::largest_ratio(phi, m.scale);
       }
-      if (!solved) progress = Progress::open;
       if (solved || iteration > 0) {
-        c().ball_use(pack.pack, reads_, m.x).store(used_.data() + p * W);
+        const L used = s_.ball_use(pack.pack, reads_, m.x), before = L::load(pack.pack.ball_used.data());
+        const L more = max(used - before, L::set(0));
+        balls_last_[p] = less_equal(used + more + more, L::set(kBall)).all() ? 1 : 0;
+        used.store(used_.data() + p * W);
       }
       for (int i = 0; i < N; ++i) m.phi[i] = phi[i];
       s_.differentiate(m.u, m.jacobian);
@@ -143,10 +149,14 @@ class TogetherStepOf final : public TogetherStep {
       const TogetherPack& pack = packs_[p];
       Numbers& m = numbers_[p];
       Column rhs, own;
-      c().turn_to(pack.pack);
-      c().set_rates(pack.known.rows.data(), pack.known.addresses.data(), state[1]);
-      s_.velocity_rhs(m.x, m.u, rhs);
-      m.lu.solve(rhs, own);
+      if (pack.driven) {
+        s_.turn_to(pack.pack);
+        s_.set_rates(pack.known.rows.data(), pack.known.addresses.data(), state[1]);
+        s_.velocity_rhs(m.x, m.u, rhs);
+        m.lu.solve(rhs, own);
+      } else {
+        for (int i = 0; i < N; ++i) own[i] = L::set(0);
+      }
       store_by_place(own, coupling.own.data(), pack);
     }
   }
@@ -166,14 +176,14 @@ class TogetherStepOf final : public TogetherStep {
       const TogetherPack& pack = packs_[p];
       Numbers& m = numbers_[p];
       Column own;
-      c().turn_to(pack.pack);
-      c().set_rates(pack.pack, state[1]);
+      s_.turn_to(pack.pack);
+      s_.set_rates(pack.pack.input_rows.data(), pack.pack.inputs.data(), state[1]);
       s_.velocity_rhs(m.x, m.u, m.rhs);
       m.norm = Equations::norm_of(m.jacobian);
       figures.velocity = Equations::residual(m.jacobian, m.norm, m.rate, m.rhs, figures.velocity);
       if (!std::isfinite(figures.velocity)) return;
       if (derivatives_ < 2) continue;
-      c().set_accelerations(pack.known.rows.data(), pack.known.addresses.data(), state[2]);
+      s_.set_accelerations(pack.known.rows.data(), pack.known.addresses.data(), state[2]);
       s_.acceleration_rhs(m.x, m.u, m.rate, m.rhs);
       m.lu.solve(m.rhs, own);
       store_by_place(own, coupling.own.data(), pack);
@@ -225,8 +235,6 @@ class TogetherStepOf final : public TogetherStep {
     std::int32_t coefficient, slope, share;  // coefficients
     std::int32_t square, unknown;            // factor: 2 u_ij, x_j, or 1 (both -1)
   };
-
-  Coefficients<W, N>& c() { return s_.coefficients(); }
 
   void find_entries(const Program& program, const Separable& separable, std::span<const std::uint8_t> computed) {
     const std::int32_t one = one_coefficient(program);
@@ -280,11 +288,12 @@ class TogetherStepOf final : public TogetherStep {
       L sum = L::set(0);
       for (std::size_t k = e.begin; k < e.end; ++k) {
         const Term& t = terms_[k];
-        L factor = c().coefficient(t.coefficient) * c().coefficient(t.share);
+        L factor = s_.coefficient(t.share);
+        if (!Equations::kDistances) factor = factor * s_.coefficient(t.coefficient);
         if (t.square >= 0) {
           factor = (factor + factor) * m.u[i][t.square];
         } else if (t.unknown >= 0) {
-          factor = factor * c().coefficient(t.slope) * m.x[t.unknown];
+          factor = factor * s_.coefficient(t.slope) * m.x[t.unknown];
         }
         sum = sum + factor;
       }
@@ -331,7 +340,7 @@ class TogetherStepOf final : public TogetherStep {
     largest = largest + poison;
     const L used = if_positive(largest, largest * L::load(pack.pack.omega.data()), largest);
     const L limit = L::set(largest_first_correction(0)) * (L::set(1) - L::load(pack.pack.ball_used.data()));
-    return all_at_most(used, limit);
+    return less_equal(used, limit).all();
   }
 
   HWY_INLINE void store_by_place(const Column& from, double* to, const TogetherPack& pack) const {
@@ -391,22 +400,41 @@ void complete_chain(const double* gains, double before, std::int32_t count, doub
 }
 ChainOfLoads chain() { return complete_chain; }
 
-template <int W>
+template <int W, int N>
 TogetherStep* of_size(const GroupClass& group_class, const Program& program, const BlockConditions& blocks,
                       const Separable& separable, std::span<const std::uint8_t> computed) {
-  switch (program.n) {
-    case 2:
-      return new TogetherStepOf<W, 2>(group_class, program, blocks, separable, computed);
-    default:
-      return new TogetherStepOf<W, 3>(group_class, program, blocks, separable, computed);
+  if (measures_distances(separable, program)) {
+    return new TogetherStepOf<W, N, DistanceSystem<W, N>>(group_class, program, blocks, separable, computed);
   }
+  return new TogetherStepOf<W, N, SmallSystem<W, N>>(group_class, program, blocks, separable, computed);
 }
 
+template <int W>
+TogetherStep* of_lanes(const GroupClass& group_class, const Program& program, const BlockConditions& blocks,
+                       const Separable& separable, std::span<const std::uint8_t> computed) {
+  return program.n == 2 ? of_size<W, 2>(group_class, program, blocks, separable, computed)
+                        : of_size<W, 3>(group_class, program, blocks, separable, computed);
+}
+
+#if HWY_TARGET == HWY_SCALAR || HWY_TARGET == HWY_EMU128
+// why_not_together() refuses the strategy on processors without SIMD.
+TogetherStep* make(const GroupClass&, const Program&, const BlockConditions&, const Separable&,
+                   std::span<const std::uint8_t>, int) {
+  return nullptr;
+}
+#else
 TogetherStep* make(const GroupClass& group_class, const Program& program, const BlockConditions& blocks,
                    const Separable& separable, std::span<const std::uint8_t> computed, int lanes) {
-  return lanes == 4 ? of_size<4>(group_class, program, blocks, separable, computed)
-                    : of_size<8>(group_class, program, blocks, separable, computed);
+  switch (lanes) {
+    case 4:
+      return of_lanes<4>(group_class, program, blocks, separable, computed);
+    case 8:
+      return of_lanes<8>(group_class, program, blocks, separable, computed);
+    default:
+      return of_lanes<16>(group_class, program, blocks, separable, computed);
+  }
 }
+#endif
 
 }  // namespace
 }  // namespace assur::HWY_NAMESPACE

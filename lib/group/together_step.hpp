@@ -47,6 +47,7 @@ struct TogetherPack {
   LaneAddresses known;     // addresses of the inputs; those that groups compute lead to a number without rates
   LaneAddresses sources;   // addresses in Coupling::own of the unknowns that the entries read
   std::size_t place = 0;   // number of its first group among the groups of the class
+  bool driven = false;     // an input that no group computes moves
 };
 
 // The largest residuals of a step so far. The passes raise them, and stop at the first that is not finite.
@@ -102,18 +103,21 @@ class TogetherStep {
   virtual void own_accelerations(double* const (&state)[3], Coupling& coupling, TogetherFigures& figures) = 0;
   virtual void finish_accelerations(double* const (&state)[3], Coupling& coupling) = 0;
   virtual void measure_accelerations(const Coupling& coupling, TogetherFigures& figures) = 0;
-  // The part of its ball that each group used: W numbers for each pack.
+  // The part of its ball that each group used: W numbers for each pack. balls_last: packs, 1 if each group also stays
+  // inside in a next step of this length, see ball_lasts().
   [[nodiscard]] virtual std::span<const double> balls_used() const = 0;
+  [[nodiscard]] std::span<const std::uint8_t> balls_last() const { return balls_last_; }
 
  protected:
   std::int32_t rows_ = 0;
   std::vector<Entry> entries_;
   std::vector<Gain> gains_;
   std::vector<TogetherPack> packs_;
+  std::vector<std::uint8_t> balls_last_;
 };
 
-// For a class that why_not_together() allows, and 4 or 8 lanes. computed: inputs, 1 if a group computes the input in
-// some group of the class. `program` and `blocks` must outlive the step.
+// For a class that why_not_together() allows, and 4, 8 or 16 lanes. computed: inputs, 1 if a group computes the input
+// in some group of the class. `program` and `blocks` must outlive the step.
 [[nodiscard]] std::unique_ptr<TogetherStep> make_together_step(const GroupClass& group_class, const Program& program,
                                                                const BlockConditions& blocks,
                                                                std::span<const std::uint8_t> computed, int lanes);

@@ -190,16 +190,12 @@ void Continuation::repeat_in_idle_lanes() {
 // One attempt. A rejected attempt, or one that only explores, does not change the packs.
 Status Continuation::solve_at(double t, Attempt::Branch branch, StepErrors& errors) {
   ++attempts_;
-  const auto undo = [&] {
-    for (Pack& pack : packs_) pack.undo(attempts_);
-    forget_guards();
-  };
   try {
     const Status s = solve_all(t, branch, errors);
-    if (!s.ok() || branch == Attempt::Branch::anywhere) undo();
+    if (!s.ok() || branch == Attempt::Branch::anywhere) undo_attempt();
     return s;
   } catch (...) {  // from a law or a callback
-    undo();
+    undo_attempt();
     throw;
   }
 }
@@ -282,6 +278,13 @@ bool Continuation::solve_together(const Attempt& attempt, StepErrors& errors) {
   if (!usual || deadline_passed()) return false;
   double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
   return together_->solve(q, attempt, report_.counters, errors);
+}
+
+// Restores the packs to their state before the last attempt.
+void Continuation::undo_attempt() {
+  if (together_) together_->undo(attempts_);
+  for (Pack& pack : packs_) pack.undo(attempts_);
+  forget_guards();
 }
 
 void Continuation::forget_guards() {

@@ -155,6 +155,7 @@ class Continuation {
   [[nodiscard]] Status check_watched(double t, Attempt::Branch branch, double left, StepErrors& errors);
   [[nodiscard]] Status solve_packs(double t, Attempt::Branch branch, double converged, StepErrors& errors);
   [[nodiscard]] bool solve_together(const Attempt& attempt, StepErrors& errors);
+  void undo_attempt();
   void forget_guards();
   [[nodiscard]] Status check_levers(std::size_t begin, std::size_t end, double seconds);
   void tell(const Status& stopped, double target);

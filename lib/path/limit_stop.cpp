@@ -27,8 +27,7 @@ void Continuation::begin_limits(const Continuation* before) {
 Status Continuation::check_limits(double target, StepErrors& errors) {
   const double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
   if (passes_ || !limit_watch_->may_change(q, target)) return {};
-  for (Pack& pack : packs_) pack.undo(attempts_);
-  forget_guards();
+  undo_attempt();
   const std::vector<LimitWatch::Change> changes = limit_watch_->changes([&](double t) -> const double* {
     predict(t);
     StepErrors ignored;

@@ -79,6 +79,11 @@ Together::Source Together::source(const Class& c, std::int32_t group, std::size_
 
 void Together::fill_packs(Class& c) {
   const std::size_t w = idx(c.lanes);
+  c.balls_used.assign(c.places.groups, 0.0);
+  c.balls_used_before = c.balls_used;
+  for (std::size_t place = 0; place < c.groups.size(); ++place) {
+    layout_.packs[idx(pack_of_[idx(c.groups[place])])].ball_used = std::span(c.balls_used).subspan(place, 1);
+  }
   for (std::size_t first = 0; first < c.groups.size(); first += w) {
     TogetherPack& to = c.step->packs().emplace_back();
     Pack& pack = to.pack;
@@ -91,7 +96,7 @@ void Together::fill_packs(Class& c) {
     pack.coefficients.resize(single.coefficients.size() * w);
     pack.anchor.resize(single.anchor.size() * w);
     pack.omega.resize(w);
-    pack.ball_used.resize(w);
+    pack.ball_used = std::span(c.balls_used).subspan(first, w);
     const std::size_t n = idx(structure_.classes[idx(pack.group_class)].n), inputs = single.inputs.size();
     to.unknowns.addresses.resize(n * w);
     pack.inputs.resize(inputs * w);
@@ -107,6 +112,7 @@ void Together::fill_packs(Class& c) {
         const bool computed = sources_[idx(structure_.groups[idx(g)].inputs[i])].of_class >= 0;
         pack.inputs[i * w + lane] = one.inputs[i];
         to.known.addresses[i * w + lane] = computed ? 0 : one.inputs[i];  // the coordinate `one` has no rates
+        to.driven = to.driven || (!computed && structure_.classes[idx(pack.group_class)].input_moves[i] != 0);
       }
     }
     to.unknowns.rows = address_rows(to.unknowns.addresses, w);
@@ -233,6 +239,7 @@ bool Together::solve(double* const (&state)[3], const Attempt& attempt, Counters
              keep_on_branch(state, attempt, more);
   }
   if (!solved) {
+    undo(attempt.number);
     for (Pack& pack : layout_.packs) pack.undo(attempt.number);
     std::copy(prediction_.begin(), prediction_.end(), state[0] + layout_.first_unknown);
     forget();
@@ -312,21 +319,30 @@ void Together::complete_loads() {
 }
 
 bool Together::keep_on_branch(double* const (&state)[3], const Attempt& attempt, Counters& counters) {
+  balls_of_ = attempt.number;
+  for (Class& c : classes_) c.balls_used_before = c.balls_used;
   for (Class& c : classes_) {
-    const std::span<const double> used = c.step->balls_used();
-    const std::size_t w = idx(c.lanes);
-    for (std::size_t place = 0; place < c.groups.size(); ++place) {
-      Pack& pack = layout_.packs[idx(pack_of_[idx(c.groups[place])])];
-      pack.keep_use(attempt.number);
-      if (BranchGuard::stays_inside(used[place], pack.ball_used[0])) {
-        c.step->packs()[place / w].pack.ball_used[place % w] = used[place];
+    const double* used = c.step->balls_used().data();
+    for (const TogetherPack& pack : c.step->packs()) {
+      if (c.step->balls_last()[pack.place / idx(c.lanes)] != 0) {
+        std::copy_n(used + pack.place, c.lanes, c.balls_used.data() + pack.place);
         continue;
       }
-      if (!c.solver->renew_anchor(pack, state, attempt, counters).ok()) return false;
-      take_lane(c, place);
+      for (std::size_t place = pack.place; place < pack.place + idx(pack.pack.used); ++place) {
+        if (BranchGuard::stays_inside(used[place], c.balls_used[place])) continue;
+        Pack& single = layout_.packs[idx(pack_of_[idx(c.groups[place])])];
+        if (!c.solver->renew_anchor(single, state, attempt, counters).ok()) return false;
+        take_lane(c, place);
+      }
     }
   }
   return true;
+}
+
+void Together::undo(std::int64_t attempt) {
+  if (balls_of_ != attempt) return;
+  balls_of_ = 0;
+  for (Class& c : classes_) std::copy(c.balls_used_before.begin(), c.balls_used_before.end(), c.balls_used.begin());
 }
 
 void Together::count(int iterations, Counters& counters) const {
@@ -363,7 +379,6 @@ void Together::take_lane(Class& c, std::size_t place) {
   for (std::size_t i = 0; i < from.swaps.size(); ++i) to.pack.swaps[i * w + lane] = from.swaps[i];
   for (std::size_t i = 0; i < from.anchor.size(); ++i) to.pack.anchor[i * w + lane] = from.anchor[i];
   to.pack.omega[lane] = from.omega[0];
-  to.pack.ball_used[lane] = from.ball_used[0];
 }
 
 }  // namespace assur

@@ -27,6 +27,8 @@ class Together {
   // prediction again, and the packs of the layout are unchanged.
   [[nodiscard]] bool solve(double* const (&state)[3], const Attempt& attempt, Counters& counters, StepErrors& errors);
 
+  // Restores the balls used (Pack::ball_used) to their state before an attempt, as Pack::undo() does for single packs.
+  void undo(std::int64_t attempt);
   // To be called when the packs of the layout were changed by others.
   void forget() { up_to_date_ = false; }
 
@@ -50,6 +52,7 @@ class Together {
     std::int32_t lanes, derivatives;
     std::vector<std::int32_t> groups;  // in solving order
     TogetherStep::Places places;
+    LaneArray balls_used, balls_used_before;  // Pack::ball_used by place, now and before the attempt `balls_of_`
   };
   // The group that computes a coordinate: its class and its place among the groups of the class. -1: none
   struct Source {
@@ -85,7 +88,8 @@ class Together {
   std::vector<Copy> idle_;  // loads that idle lanes copy
   int derivatives_ = 0;     // highest derivative of all classes
   LaneArray prediction_;
-  bool up_to_date_ = false;  // the guards in the packs are those of the layout
+  bool up_to_date_ = false;    // the guards in the packs are those of the layout
+  std::int64_t balls_of_ = 0;  // the last attempt that changed the balls used of all groups
 };
 
 }  // namespace assur

@@ -1,5 +1,7 @@
 #include "planning/together_rules.hpp"
 
+#include <hwy/targets.h>
+
 #include "equations/program.hpp"
 #include "equations/separable.hpp"
 #include "planning/small_steps.hpp"
@@ -21,10 +23,13 @@ std::string why_not(const Structure& s, std::int32_t group_class) {
 }  // namespace
 
 std::string why_not_together(const Strategy& strategy) {
+  if ((hwy::SupportedTargets() & HWY_TARGETS & ~(HWY_SCALAR | HWY_EMU128)) == 0) {
+    return "+together needs a processor with vector instructions that Highway supports";
+  }
   if (!has_small_steps(strategy.solver)) {
     return "+together needs the solver lanes without +float, +refine, +reuse, +once and +separate";
   }
-  if (strategy.solver.lanes != 4 && strategy.solver.lanes != 8) return "+together takes 4 or 8 lanes";
+  if (strategy.solver.lanes < 4) return "+together takes 4, 8 or 16 lanes";
   if (strategy.run.threads > 1) return "+together runs on one thread";
   return "";
 }

@@ -7,6 +7,8 @@
 #include <numbers>
 
 #include "backends/allocations.hpp"
+#include "equations/program.hpp"
+#include "equations/separable.hpp"
 #include "scene/shipped_files.hpp"
 #include "simulation/conditions.hpp"
 #include "simulation/limited.hpp"
@@ -65,7 +67,7 @@ TEST(Together, MovesSamplesAsLevelsDo) {
     const Scene whole = sample(text);
     const TimeGrid grid = whole.time();
     const Scene scene = whole.with_time({grid.start, grid.time(std::min<std::int64_t>(grid.steps(), 200)), grid.step});
-    for (const std::string lanes : {":4", ":8"}) {
+    for (const std::string lanes : {":4", ":8", ":16"}) {
       expect_the_same_run(scene, "irreducible/lanes" + lanes + "+together", kLevels);
       EXPECT_FALSE(solved_level_after_level(test::run(scene, "irreducible/lanes" + lanes + "+together"))) << text;
     }
@@ -112,10 +114,11 @@ TEST(Together, MovesRandomMechanismsAsLevelsDo) {
   for (std::uint64_t seed = 1; seed <= 120; ++seed) {
     Draw draw(seed);
     const Scene scene = seed % 2 == 0 ? test::planar_mechanism(draw) : test::spatial_mechanism(draw);
-    if (!refusal(scene, kTogether).empty()) continue;
+    const std::string with = seed % 3 == 0 ? "irreducible/lanes:16+together" : kTogether;
+    if (!refusal(scene, with).empty()) continue;
     ++moved;
     SCOPED_TRACE("seed " + std::to_string(seed));
-    expect_the_same_run(scene, kTogether, kLevels);
+    expect_the_same_run(scene, with, kLevels);
     if (testing::Test::HasFailure()) return;
   }
   EXPECT_GE(moved, 60);
@@ -143,6 +146,55 @@ Scene chain_of_dyads(Draw& draw, std::size_t dyads) {
     moving.push_back({"C" + k, at});
   }
   return b.time(0, 1, 0.005).build();
+}
+
+// Points on three spheres, about the three points before them, about points of moving bodies, and about fixed points.
+Scene chain_of_tripods(int tripods) {
+  SceneBuilder b("tripods", 3);
+  b.fixed_point("O", {0, 0, 0}).fixed_point("P", {1, 0, 0}).fixed_point("Q", {0, 1, 0}).point("C0", {0.3, 0.3, 1});
+  b.drive("x", DrivenCoordinate{"C0.x", Law::harmonics({{0.02, 3, 0}}, 0.3)});
+  b.drive("y", DrivenCoordinate{"C0.y", Law::harmonics({{0.02, 2, 1}}, 0.3)});
+  b.drive("z", DrivenCoordinate{"C0.z", Law::harmonics({{0.02, 1, 2}}, 1)});
+  std::vector<std::string> points = {"O", "P", "Q", "C0"};
+  std::vector<Triple> at = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.3, 0.3, 1}};
+  for (int k = 1; k <= tripods; ++k) {
+    const std::string name = "C" + std::to_string(k);
+    const std::size_t last = points.size() - 1;
+    const Triple& a = at[last];
+    at.push_back({a[0] + 0.4 * std::cos(k), a[1] + 0.4 * std::sin(k), a[2] + 0.5});
+    b.point(name, at.back());
+    for (std::size_t leg = 0; leg < 3; ++leg) {
+      b.constrain(name + "_" + std::to_string(leg), Distance{points[last - leg], name, std::nullopt});
+    }
+    points.push_back(name);
+  }
+  return b.time(0, 1, 0.01).build();
+}
+
+// Distances have a step of their own; see DistanceSystem.
+TEST(Together, MeasuresDistancesAsOtherStepsDo) {
+  const auto distances = [](const Scene& scene) {
+    const Prepared p = prepare(scene, {kTogether, {}});
+    int count = 0;
+    for (std::size_t c = 0; c < p.structure->classes.size(); ++c) {
+      const GroupClass& of = p.structure->classes[c];
+      const Program program = compile(of, p.structure->pattern(static_cast<std::int32_t>(c)));
+      const auto separable = separate(program, of.input_moves);
+      count += separable && measures_distances(*separable, program) ? 1 : 0;
+    }
+    return count;
+  };
+  const Scene tripods = chain_of_tripods(10), legs = sample("jansen:4");
+  EXPECT_GE(distances(sample("four_bar:3")), 1);
+  EXPECT_GE(distances(tripods), 1);
+  EXPECT_GE(distances(legs), 1);
+  EXPECT_EQ(distances(sample("stewart")), 0);
+  for (const std::string with : {"irreducible/lanes:4+together", kTogether, "irreducible/lanes:16+together"}) {
+    for (const Scene& scene : {tripods, legs}) {
+      expect_the_same_run(scene, with, "irreducible/eigen");
+      EXPECT_FALSE(solved_level_after_level(test::run(scene, with))) << with;
+    }
+  }
 }
 
 TEST(Together, EndsWhereLevelsEnd) {
@@ -247,8 +299,7 @@ TEST(Together, IsRefusedWithTheReason) {
   says(refusal(stewart, "groups/lanes:8+together"), "group SG_T has 12 unknowns; leave out +together");
   says(refusal(chain, "irreducible/klu:8+together"), "needs the solver lanes without");
   says(refusal(chain, "irreducible/lanes:8+once+together"), "needs the solver lanes without");
-  says(refusal(chain, "irreducible/lanes:2+together"), "takes 4 or 8 lanes");
-  says(refusal(chain, "irreducible/lanes:16+together"), "takes 4 or 8 lanes");
+  says(refusal(chain, "irreducible/lanes:2+together"), "takes 4, 8 or 16 lanes");
   EXPECT_THROW((void)prepare(chain, {"irreducible/lanes:8+together 2x1", {}, ThreadBudget{2}}), Error);
 }
 
