@@ -5,6 +5,7 @@
 
 #include "group/small_step.hpp"
 
+#include "group/distance_system-inl.hpp"
 #include "group/small_lu-inl.hpp"
 #include "group/small_system-inl.hpp"
 
@@ -18,10 +19,10 @@ HWY_BEFORE_NAMESPACE();
 namespace assur::HWY_NAMESPACE {
 namespace {
 
-template <int W, int N>
+// Equations: SmallSystem or DistanceSystem
+template <int W, int N, class Equations>
 class SmallStepOf final : public SmallStep {
   using L = Lanes<W>;
-  using Equations = SmallSystem<W, N>;
   using Column = typename Equations::Column;
   using Matrix = typename Equations::Matrix;
 
@@ -132,14 +133,23 @@ class SmallStepOf final : public SmallStep {
   SmallLu<W, N> lu_;
 };
 
-template <int W>
+template <int W, int N>
 SmallStep* of_size(const GroupClass& group_class, const Program& program, const BlockConditions& blocks,
                    Separable separable) {
+  if (measures_distances(separable, program)) {
+    return new SmallStepOf<W, N, DistanceSystem<W, N>>(group_class, program, blocks, std::move(separable));
+  }
+  return new SmallStepOf<W, N, SmallSystem<W, N>>(group_class, program, blocks, std::move(separable));
+}
+
+template <int W>
+SmallStep* of_lanes(const GroupClass& group_class, const Program& program, const BlockConditions& blocks,
+                    Separable separable) {
   switch (program.n) {
     case 2:
-      return new SmallStepOf<W, 2>(group_class, program, blocks, std::move(separable));
+      return of_size<W, 2>(group_class, program, blocks, std::move(separable));
     case 3:
-      return new SmallStepOf<W, 3>(group_class, program, blocks, std::move(separable));
+      return of_size<W, 3>(group_class, program, blocks, std::move(separable));
     default:
       return nullptr;
   }
@@ -153,13 +163,13 @@ SmallStep* make(const GroupClass& group_class, const Program& program, const Blo
                 Separable separable, int lanes) {
   switch (lanes) {
     case 1:
-      return of_size<1>(group_class, program, blocks, std::move(separable));
+      return of_lanes<1>(group_class, program, blocks, std::move(separable));
     case 2:
-      return of_size<2>(group_class, program, blocks, std::move(separable));
+      return of_lanes<2>(group_class, program, blocks, std::move(separable));
     case 4:
-      return of_size<4>(group_class, program, blocks, std::move(separable));
+      return of_lanes<4>(group_class, program, blocks, std::move(separable));
     case 8:
-      return of_size<8>(group_class, program, blocks, std::move(separable));
+      return of_lanes<8>(group_class, program, blocks, std::move(separable));
     default:
       return nullptr;
   }
