@@ -88,7 +88,7 @@ class LinearSolver {
   virtual ~LinearSolver() = default;
 
   // Prepares for matrices of this pattern; call it once, before factorize(). Returns ok: factorize() reports singular
-  // patterns. Throws Error (input) for a pattern that is not as Pattern describes, or too many or few lanes.
+  // patterns. Throws Error (input) if the pattern is not as Pattern describes, or if `lanes` is out of range.
   [[nodiscard]] virtual Status analyze(const Pattern& pattern, int lanes) = 0;
 
   // Factorises one matrix in each lane. values: nnz x lanes, in the order of pattern.row. The status is that of the

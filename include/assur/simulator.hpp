@@ -66,8 +66,8 @@ struct StepLimits {
   // they sleep. Empty: the system places the threads. The constructor throws Error: input for fewer processors than
   // threads, environment for a processor that cannot be used.
   std::vector<int> pin_to = {};
-  // Asked between the parts of a divided step, which can be millions for a very fast law. True ends the call with
-  // Code::interrupted. Empty: never.
+  // Called between the parts of a divided step (millions for a very fast law). If it returns true, the call ends with
+  // Code::interrupted. Empty: not called.
   std::function<bool()> stop = {};
 };
 
