@@ -59,7 +59,7 @@ struct Figures {
   int determinant_sign = 0;         // -1 or +1; 0 if singular
 };
 
-// Extra work of a solver since analyze(), beyond the factorisations and solutions that were asked for.
+// Extra work of a solver since analyze(), beyond the requested factorisations and solutions.
 struct Effort {
   std::int64_t redone = 0;     // lanes factorised with their own pivots, because the common pivots failed
   std::int64_t renewed = 0;    // new pivot orders
