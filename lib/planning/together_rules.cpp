@@ -38,7 +38,7 @@ std::string why_not_together(const Structure& structure, const Strategy& strateg
     for (const Group& g : structure.groups) {
       if (static_cast<std::size_t>(g.group_class) == c) name = g.name;
     }
-    return "+together needs groups of 2 or 3 unknowns without products of different unknowns, and group " + name + " " +
+    return "+together needs groups of 2 or 3 unknowns without products of different unknowns, but group " + name + " " +
            reason;
   }
   return "";
