@@ -28,7 +28,8 @@ std::string_view name(Grade grade) noexcept {
 }
 
 std::string new_uid() {
-  // The system provides a new seed each time, so two processes, or two forks of one, never draw the same.
+  // The system provides a new seed each time, so two processes, or two forks of one process, never draw the same
+  // numbers.
   std::random_device device;
   const auto draw = [&] { return std::uint64_t{device()} << 32 | device(); };
   return hexadecimal(draw()) + hexadecimal(draw());

@@ -59,7 +59,7 @@ struct Figures {
   int determinant_sign = 0;         // -1 or +1; 0 if singular
 };
 
-// Extra work of a solver since analyze(), beyond the factorisations and solutions that were asked for.
+// Extra work of a solver since analyze(), beyond the requested factorisations and solutions.
 struct Effort {
   std::int64_t redone = 0;     // lanes factorised with their own pivots, because the common pivots failed
   std::int64_t renewed = 0;    // new pivot orders
@@ -88,7 +88,7 @@ class LinearSolver {
   virtual ~LinearSolver() = default;
 
   // Prepares for matrices of this pattern; call it once, before factorize(). Returns ok: factorize() reports singular
-  // patterns. Throws Error (input) for a pattern that is not as Pattern describes, or too many or few lanes.
+  // patterns. Throws Error (input) if the pattern is not as Pattern describes, or if `lanes` is out of range.
   [[nodiscard]] virtual Status analyze(const Pattern& pattern, int lanes) = 0;
 
   // Factorises one matrix in each lane. values: nnz x lanes, in the order of pattern.row. The status is that of the

@@ -89,7 +89,7 @@ class Ensemble {
   // memory for the results.
   EnsembleTrajectory run(const Simulator::Observer& observer = {});
   // The same over `times` (s), which begin with the start time. Throws also Error (input) if `times` are empty, begin
-  // elsewhere, descend, or are not finite.
+  // at another time, descend, or are not finite.
   EnsembleTrajectory run(std::span<const double> times, const Simulator::Observer& observer = {});
 
   // Number of members, including those that cannot start.

@@ -13,7 +13,7 @@
 
 namespace assur {
 
-// Most unknowns of a group whose modes are computed, without those that linear equations give.
+// Most unknowns of a group whose modes are computed, not counting unknowns that linear equations eliminate.
 inline constexpr int kMostUnknownsOfModes = 6;
 
 // One posture of a group.
@@ -35,7 +35,7 @@ struct AssemblyModes {
   std::string why_none;    // reason why the modes were not computed; "": they were
 
   // Each of the `paths` ends at a simple solution (real or not), at infinity, at a multiple solution, or is lost.
-  int paths = 0;     // 2 to the power of the unknowns, without those that linear equations give
+  int paths = 0;     // 2 to the power of the unknowns that linear equations do not eliminate
   int not_real = 0;  // simple solutions with complex values
   int diverged = 0;  // paths to infinity; a solution farther away than 1000 typical lengths may be among them
   int multiple = 0;  // paths to solutions that meet others: folds of the group, or postures that are not isolated

@@ -42,7 +42,7 @@ struct Plan {
   [[nodiscard]] Strategy strategy(const Choice& choice) const;
 };
 
-// Steps with a larger estimated error are `inaccurate` if no accuracy was asked for.
+// Steps with a larger estimated error are `inaccurate` if no accuracy is required.
 inline constexpr double kDoubtfulError = 1e-6;
 
 // Optimisation goal of a plan.

@@ -16,7 +16,7 @@ namespace assur {
 // Work of a run. Groups are counted one by one, even if they are solved side by side; idle lanes do not count.
 struct Counters {
   std::int64_t steps = 0;                // steps that reached their time
-  std::int64_t substeps = 0;             // accepted steps to times between those asked for
+  std::int64_t substeps = 0;             // accepted steps to intermediate times
   std::int64_t rejected = 0;             // failed attempts at a step; the step was then divided, or ended there
   std::int64_t group_solutions = 0;      // position problems of single groups
   std::int64_t newton_iterations = 0;    // Newton corrections, summed over groups

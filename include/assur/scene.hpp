@@ -366,7 +366,7 @@ struct Limit {
   // What happens when a motion leaves the limit.
   enum class Reaction : std::uint8_t {
     end,   // it ends, at the last posture within the limit
-    flag,  // it goes on; events tell where it leaves the limit, and where it returns
+    flag,  // it goes on; events report when it leaves the limit, and when it returns
   };
   std::string quantity;  // name of a measure, or "JOINT.angle", "JOINT.displacement"; one limit for each
   // In the unit of the quantity (rad, m); infinite: no limit on this side. A signed angle is followed through whole
@@ -566,8 +566,8 @@ using Parameters = std::map<std::string, double>;
 [[nodiscard]] Scene read_scene(const std::filesystem::path& file, const Parameters& set = {},
                                const std::vector<std::filesystem::path>& more_folders = {});
 
-// Reads a scene from text. Paths of tables are relative to `folder`; `name` stands before each finding, and names a
-// scene that has no name. Throws Error (input) like read_scene().
+// Reads a scene from text. Paths of tables are relative to `folder`; `name` precedes each finding; a scene without a
+// name gets it as its name. Throws Error (input) like read_scene().
 [[nodiscard]] Scene parse_scene(std::string_view text, const std::string& name = "scene",
                                 const std::filesystem::path& folder = ".", const Parameters& set = {},
                                 const std::vector<std::filesystem::path>& more_folders = {});

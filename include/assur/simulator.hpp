@@ -66,8 +66,8 @@ struct StepLimits {
   // they sleep. Empty: the system places the threads. The constructor throws Error: input for fewer processors than
   // threads, environment for a processor that cannot be used.
   std::vector<int> pin_to = {};
-  // Asked between the parts of a divided step, which can be millions for a very fast law. True ends the call with
-  // Code::interrupted. Empty: never.
+  // Called between the parts of a divided step (millions for a very fast law). If it returns true, the call ends with
+  // Code::interrupted. Empty: not called.
   std::function<bool()> stop = {};
 };
 
@@ -219,11 +219,11 @@ struct ForwardError {
 // Compares a trajectory with a reference in quadruple precision (113 bits). The reference has the same parameters and
 // times, evaluates laws and residuals in quadruple precision, and corrects with factorisations in double. It calls
 // functions of the program as the run does, so that errors of these functions remain undetected. The error of an output
-// x is the maximum over the times of |x - x_ref|, over the maximum of |x_ref| (at least a limit that docs/accuracy.md
-// gives, for lengths the characteristic length). It is infinite if x is not finite, except for derivatives that do not
-// exist: of a distance at 0, and of an unsigned angle at 0 or pi. Throws Error: input for a loaded plan, a trajectory
-// with other columns or without rows; environment if this build has no quadruple precision; numerical if the reference
-// does not converge.
+// x is the maximum over the times of |x - x_ref|, divided by the maximum of |x_ref| or by a lower limit, whichever is
+// larger (docs/accuracy.md; for lengths the characteristic length). It is infinite if x is not finite, except for
+// derivatives that do not exist: of a distance at 0, and of an unsigned angle at 0 or pi. Throws Error: input for a
+// loaded plan, a trajectory with other columns or without rows; environment if this build has no quadruple precision;
+// numerical if the reference does not converge.
 [[nodiscard]] ForwardError forward_error(const Prepared& prepared, const Trajectory& trajectory);
 
 // Proves the current posture of a simulator, see Certificate. Throws Error: input if load_plan() made the plan,

@@ -44,16 +44,16 @@ class Error : public std::runtime_error {
 
 // Outcome of a numerical operation. The names are part of the command's JSON and are never renamed.
 enum class Code : std::uint8_t {
-  ok,                   // success; no estimated error exceeds the accuracy asked for
+  ok,                   // success; no estimated error exceeds the required accuracy
   singular,             // a matrix without a usable pivot
   not_finite,           // NaN or infinity among the values
   not_converged,        // Newton did not reach the tolerance
   limit_reached,        // a fold: the mechanism cannot move further; time is bracketed
   change_point_passed,  // two branches cross here; the smooth continuation was taken. An Event::kind, never a status
-  inaccurate,           // accepted, but the estimated error exceeds the accuracy asked for
+  inaccurate,           // accepted, but the estimated error exceeds the required accuracy
   branch_unknown,       // the library could not decide which branch continues the motion
   inconsistent,         // a redundant equation is no longer satisfied
-  out_of_range,         // a law was asked for a time outside its table
+  out_of_range,         // a time lies outside the table of a law
   actuator_zero,        // a driver drives nothing: its distance, or a direction of its angle, has shrunk to zero
   deadline,             // the time allowed for the step ran out
   interrupted,          // the observer or StepLimits::stop asked to stop
@@ -102,7 +102,7 @@ struct [[nodiscard]] Status {
   // a time in s, ...; 0 if none.
   double figure = 0;
 
-  // True if the operation succeeded with the accuracy asked for.
+  // True if the operation succeeded with the required accuracy.
   [[nodiscard]] constexpr bool ok() const noexcept { return code == Code::ok; }
   // True if the step reached its time, even if the result is `inaccurate`.
   [[nodiscard]] constexpr bool arrived() const noexcept { return ok() || code == Code::inaccurate; }

@@ -12,7 +12,7 @@ namespace assur::lanes {
 namespace {
 
 constexpr double kLeastRatio = 1e-3;  // pivot over the largest of its row, if no pivot serves all lanes
-constexpr int kLists = 16;  // rows, and as many columns, of least count that are examined for a pivot (Zlatev 1980)
+constexpr int kLists = 16;  // rows, and columns, with the fewest entries that are searched for a pivot (Zlatev 1980)
 
 // Rows or columns by their number of entries, in doubly linked lists.
 class Buckets {

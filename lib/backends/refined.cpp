@@ -47,7 +47,7 @@ class Refined final : public LinearSolver {
   std::unique_ptr<LinearSolver> clone() const override;
 
  private:
-  // The solver of a lane; nobody if it has no factors.
+  // The solver that has the factors of a lane.
   enum class By : std::uint8_t { nobody, inner, in_double };
 
   void allocate();

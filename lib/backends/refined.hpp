@@ -20,7 +20,7 @@ namespace assur {
 // If a solution misses its bound, the status is {not_converged, lane, its error}, and the best solution that was found
 // is returned. Refinement needs whole solutions, so that first_wanted saves nothing.
 //
-// Throws Error (environment) if the backend has no float and binary32 is asked for.
+// Throws Error (environment) if binary32 is requested and the backend has no float.
 [[nodiscard]] std::unique_ptr<LinearSolver> make_solver(const Backend& backend, ThreadBudget budget,
                                                         Precision precision, bool refine);
 

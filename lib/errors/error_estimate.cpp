@@ -12,7 +12,8 @@
 
 namespace assur {
 namespace {
-// All five probes are below 1/5 of the true error in one of ten thousand cases; rounding reaches half of its bound.
+// Factor of an estimate. In one of ten thousand cases all five probes are below 1/5 of the true error; rounding errors
+// reach half of their bound.
 constexpr double kSafety = 2.5;
 constexpr double kUsual = 2 * kEps;              // residuals up to this one are normal in any step
 constexpr double kSolvedToRounding = 16 * kEps;  // equations with smaller residuals are solved as exactly as possible

@@ -2,8 +2,7 @@
 // large as rounding with random signs, through the groups in solving order to the outputs. A few probes estimate the
 // size of the error as well as a norm of the whole map would; each probe costs one more right-hand side (small-sample
 // condition estimation: Kenney and Laub, SIAM J. Sci. Comput. 15, 1994).
-//
-// If an accuracy is asked for, the same number of further probes gives the error for a unit relative residual in any
+// If an accuracy is required, the same number of further probes gives the error for a unit relative residual in any
 // equation. The residual of a single posture cannot give this error, because the residual may be in an equation that no
 // output depends on.
 #pragma once
@@ -70,7 +69,7 @@ class ErrorEstimate {
   void keep();
 
   // The largest relative residual for which, by the last measurement, errors are not larger than `error`. Infinite if
-  // no residual matters; 0 if unknown, because no accuracy was asked for or because the accuracy is missed.
+  // no residual matters; 0 if unknown, because no accuracy is required or because the accuracy is missed.
   [[nodiscard]] double residual_for(double error) const { return knows_gain_ ? error / gain_ : 0; }
   // Tells the estimate that equations are solved to a larger residual until the next measurement.
   void loosen(bool loose) { loose_ = loose; }
@@ -82,7 +81,7 @@ class ErrorEstimate {
   // The residual to which equations are solved while errors are in doubt; 0: as exactly as doubles allow. A run with an
   // accuracy never takes more work than a run without.
   [[nodiscard]] double best() const { return best_; }
-  // True if the last measured errors exceed the accuracy asked for. After a doubtful measurement the limit is half of
+  // True if the last measured errors exceed the required accuracy. After a doubtful measurement the limit is half of
   // the accuracy, because errors may double between two measurements.
   [[nodiscard]] bool in_doubt(std::size_t mechanism) const {
     return mechanisms_[mechanism].now.worst() > mechanisms_[mechanism].limit;

@@ -23,7 +23,8 @@ constexpr double kHalfEps = kEps / 2;
 constexpr double kMost = std::numeric_limits<double>::max();
 constexpr std::size_t kVectorLanes = 8;
 
-// Divides the numbers of `count` lanes, from `from` on, by the largest of each lane; returns these.
+// Divides the numbers of each of `count` lanes, from lane `from` on, by the largest number of the lane. Returns the
+// divisors.
 template <std::size_t count>
 std::array<double, count> to_unit_size(LaneArray& unknowns, LaneArray& inputs, std::size_t from, std::size_t lanes) {
   std::array<double, count> largest{}, inverse{};
@@ -149,7 +150,7 @@ void ErrorProbe::left_of(const double* y) {
   tolerance_ = noise_;
 }
 
-// The same numbers for each probe.
+// Copies the same numbers to the lanes of each probe.
 void ErrorProbe::repeat(const double* from, LaneArray& to) const {
   for (double* row = to.data(); row != to.data() + to.size(); from += lanes_) {
     for (std::size_t k = 0; k < side_by_side_; ++k, row += lanes_) {

@@ -68,7 +68,8 @@ class ErrorProbe {
   Workspace& work_;
   JacobianSolver& solver_;
   BlockConditions& blocks_;
-  // Probes in the lanes of evaluator(), each with W lanes; 1 for callbacks, which take longer than all lanes.
+  // Number of probes in the lanes of evaluator(), each with W lanes; 1 for callbacks, whose cost exceeds that of all
+  // lanes.
   const std::size_t side_by_side_;
   const std::size_t lanes_, size_;                  // W, n x W
   const std::unique_ptr<Evaluator> evaluator_;      // null: the workspace's evaluator, for one probe at a time

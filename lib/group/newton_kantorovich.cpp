@@ -15,7 +15,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 constexpr double kTiny = std::numeric_limits<double>::min();
 constexpr double kSpare = 0x1p-40;  // relative margin of the radius that is tried, for the rounding of its verification
-constexpr int kRefinements = 2;     // each gains a factor Z1^2; more would change no digit that is shown
+constexpr int kRefinements = 2;     // each one gains a factor Z1^2; further ones change no shown digit
 
 double count(Eigen::Index i) { return static_cast<double>(i); }
 

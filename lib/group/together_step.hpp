@@ -1,8 +1,8 @@
 // The step of all groups of a class at once, whatever their levels. Each group is linearised at the prediction, with
 // inputs that other groups have not corrected yet:
 //   J dx + H dh = -Phi      =>      dx = own + sum_k column_k load_k,   own = -J^-1 Phi,   column_k = J^-1 e_k
-// Row k is an equation that reads unknowns of other groups, and load_k = -(H dh)_k is what their changes add to it.
-// With the changes of those groups inserted, the loads of all groups are a linear recurrence through the levels:
+// Row k is an equation that reads unknowns of other groups, and load_k = -(H dh)_k is the effect of their changes on
+// it. With the changes of those groups inserted, the loads of all groups are a linear recurrence through the levels:
 //   load_k = -(H own)_k + sum_j gain_kj load_j,   gain_kj = -(H column_j)_k
 // The rates and the accelerations have the same columns and gains at the solved posture, with their own right-hand
 // sides. Together (path/together.hpp) calls the passes below for all classes in turn and runs the recurrence.

@@ -194,7 +194,7 @@ class Reader {
     --includes_;
   }
 
-  static constexpr const char* kTooDeep = "elements are inside each other more than 100 times, the limit";
+  static constexpr const char* kTooDeep = "elements are nested more than 100 levels deep, the limit";
 
   Document& document_;
   std::filesystem::path first_;

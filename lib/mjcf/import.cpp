@@ -29,7 +29,7 @@ using mjcf::refuse;
 using ModelJoint = mjcf::Joint;
 using JointKind = mjcf::Joint::Kind;
 
-constexpr double kToldChange = 1e-9;  // rad or m: smaller moves of joints, to close loops, are rounding
+constexpr double kToldChange = 1e-9;  // rad or m: smaller motions of joints that close loops are rounding
 constexpr std::size_t kMostNotes = 20;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
@@ -95,7 +95,7 @@ class Importer {
     if (change.size > kToldChange) {
       const std::string& name = model_.joints[at(change.joint)].name;
       note("closing the loops moved joints by up to " + general(change.size, 3) +
-           (name.empty() ? "" : ", " + in_quotes(name) + " the farthest"));
+           (name.empty() ? "" : ", " + in_quotes(name) + " the most"));
     }
     now_ = posture(model_, q_);
   }
@@ -104,7 +104,8 @@ class Importer {
 
   // ---- names
 
-  // A name that the scene allows and nothing else has. kind: for elements without a name, and to tell one from another.
+  // A name that the scene allows and nothing else has. kind: base of the name if the element has none, and suffix of a
+  // name that is taken.
   std::string free_name(const std::string& given, const std::string& kind, std::size_t count) {
     std::string name = given.empty() ? kind + std::to_string(count) : given;
     for (char& c : name) {
@@ -124,7 +125,7 @@ class Importer {
     return name;
   }
 
-  // Joints and sites, which users name, keep theirs if another kind has the same.
+  // Joints and sites are named first and keep their names, because users refer to them.
   void name_all() {
     for (std::size_t i = 0; i < model_.joints.size(); ++i) {
       joints_.push_back(free_name(model_.joints[i].name, "joint", i + 1));
@@ -289,7 +290,7 @@ class Importer {
       if (has1 && has2) {
         refuse(*loop.node, "both joints have drivers already; drive one of them, the other one follows");
       }
-      if (has1 && loop.factor == 0) refuse(*loop.node, "joint1 has a driver, and the equality holds it still");
+      if (has1 && loop.factor == 0) refuse(*loop.node, "joint1 has a driver, but the equality holds it still");
       const int follower = has1 ? loop.joint2 : loop.joint1;
       const double factor = has1 ? 1 / loop.factor : loop.factor;
       try {
@@ -303,7 +304,7 @@ class Importer {
     }
     if (open.empty()) return;
     const Loop& loop = model_.loops[*open.begin()];
-    refuse(*loop.node, "joints that move together are read if one of them is driven; write --drive " +
+    refuse(*loop.node, "an equality of joints is read only if one of the joints is driven; write --drive " +
                            title(loop.joint2) + "=LAW or --drive " + title(loop.joint1) + "=LAW");
   }
 

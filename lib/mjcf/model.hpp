@@ -95,8 +95,8 @@ struct Model {
   [[nodiscard]] int mover(int body) const;
 };
 
-// name: of a model that has none. Throws Error (input) if something is wrong or not understood. The model refers to the
-// document.
+// name: used if the model has none. Throws Error (input) if something is wrong or not understood. The model refers to
+// the document.
 [[nodiscard]] Model read_model(const Document& document, const std::string& name);
 
 // ---- postures
@@ -113,7 +113,7 @@ struct Posture {
 };
 [[nodiscard]] Posture posture(const Model& model, const Values& q);
 
-// Moves q as little as it takes until all loops close, to rounding. Returns the largest change of a joint in rad or m,
+// Moves q by the smallest motion that closes all loops to rounding. Returns the largest change of a joint in rad or m,
 // and the joint. Throws Error (input) if a loop cannot be closed.
 struct Change {
   double size = 0;

@@ -119,7 +119,7 @@ class Mechanism {
     if (!out.why_none.empty()) return out;
     const Quadratics reduced = quadratics(s_, m.equations, m.unknowns, q_);
     if (reduced.kind == Quadratics::Kind::dependent) {
-      out.why_none = "its equations depend on each other here: its postures are not isolated";
+      out.why_none = "has equations that depend on each other here, so that its postures are not isolated";
     } else if (reduced.size() > kMostPolynomials) {
       out.why_none = "has " + std::to_string(reduced.size()) + " unknowns" +
                      (reduced.size() < std::ssize(m.unknowns) ? " after linear equations" : "") + "; at most " +
@@ -225,7 +225,7 @@ class Mechanism {
     }
     if (m.unknowns.size() > kMostWithLinear) {
       return "has " + std::to_string(m.unknowns.size()) + " unknowns; at most " + std::to_string(kMostUnknownsOfModes) +
-             " unknowns that linear equations do not give can be treated";
+             " may remain after linear equations are eliminated";
     }
     return "";
   }

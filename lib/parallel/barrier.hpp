@@ -14,8 +14,8 @@ class Barrier {
   explicit Barrier(int threads, Waiting waiting = Waiting::shared)
       : threads_(static_cast<std::uint32_t>(threads)), waiting_(waiting), missing_(threads_) {}
 
-  // Returns when `threads` threads have arrived; all of them then see what each one wrote before. Can be used again at
-  // once. False if the barrier was broken: not all threads have arrived, and none waits any more.
+  // Returns when `threads` threads have arrived; earlier writes of each thread are then visible to all. Can be used
+  // again at once. False if the barrier was broken: not all threads have arrived, and none waits any more.
   bool arrive_and_wait() {
     const std::uint32_t round = round_.load(std::memory_order_acquire);  // cannot end before this thread has arrived
     if (broken()) return false;

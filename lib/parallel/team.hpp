@@ -62,8 +62,8 @@ class Team {
     }
   }
 
-  // To be called by all members within run(): returns when all have called it; all then see what each one wrote before.
-  // Throws an exception that run() catches if another member has thrown.
+  // To be called by all members within run(): returns when all have called it; earlier writes of each member are then
+  // visible to all. Throws an exception that run() catches if another member has thrown.
   void barrier() {
     if (!barrier_.arrive_and_wait()) throw SentHome{};
   }

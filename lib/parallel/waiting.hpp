@@ -15,10 +15,10 @@ enum class Waiting : std::uint8_t {
   pinned,   // a dedicated core for each thread: spins only
 };
 
-// Returns when `word` is no longer `old`; acquires what was written before the change.
+// Returns when `word` is no longer `old`; acquires the writes before the change.
 void wait_while(const std::atomic<std::uint32_t>& word, std::uint32_t old, Waiting waiting = Waiting::shared);
 
-// Changes `word` and wakes the threads that wait for it; releases what was written before.
+// Changes `word` and wakes the threads that wait for it; releases the writes before the change.
 inline void advance(std::atomic<std::uint32_t>& word) {
   word.fetch_add(1, std::memory_order_acq_rel);
   word.notify_all();

@@ -14,7 +14,7 @@ namespace assur {
 namespace {
 
 constexpr double kUnseen = 2;    // parts of a step in which a measured angle may have turned unseen
-constexpr double kPassed = 64;   // a step this many times as long as the first shortest one has left the failure behind
+constexpr double kPassed = 64;   // ratio to the first shortest step from which on a step has passed the failure
 constexpr int kExpandAfter = 4;  // rejected attempts in a row; then all rates are computed and used for predictions
 
 bool worth_halving(Code code) {
@@ -398,7 +398,7 @@ Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
       if (in_a_row < kExpandAfter) in_a_row = 0;
       if (now_ == t) break;  // a last stride that was shortened is no evidence for full strides
       stride.arrive();
-      if (stride.length > kPassed * first) {  // the place of the failure is left behind
+      if (stride.length > kPassed * first) {  // the failure was passed
         shortest_ = first;
         approach_.clear();
       }

@@ -23,7 +23,7 @@ struct Layout {
 // Throws Error (environment) if a backend of the plan cannot run here.
 [[nodiscard]] std::vector<std::unique_ptr<GroupSolver>> make_solvers(const Prepared& prepared, int lanes = 0);
 
-// For each row of addresses (rows x lanes): how they follow each other. See InputRow for what is read.
+// For each row of addresses (rows x lanes): how they follow each other. InputRow lists the numbers that are read.
 [[nodiscard]] std::vector<InputRow> address_rows(const std::vector<std::int32_t>& addresses, std::size_t lanes);
 
 // A layout in which groups of one class on one level are side by side, up to W of them in a pack. With +together every

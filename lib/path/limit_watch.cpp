@@ -117,7 +117,7 @@ void LimitWatch::start(Posture q, double time, std::span<const double> known) {
       if (std::isfinite(law)) value += kTurn * whole_turns(value, law);
       continue;
     }
-    // Moves between two bounds that are less than a turn apart; between others, the number of turns is not clear.
+    // Adds whole turns only if both bounds are less than one turn apart; otherwise the number of turns is ambiguous.
     const double turns = std::ceil(excess(i, value) / kTurn);
     const double moved = value - sides_[i].sign * kTurn * turns;
     const auto is_other = [&](std::size_t k) { return k != i && sides_[k].column == sides_[i].column; };

@@ -17,7 +17,7 @@ constexpr double kSurelyNear = 0.861;    // > exp(-kHuber)
 constexpr double kLeastNoise = 0.02;     // relative; smaller noise is raised to this
 constexpr double kLeastSeconds = 1e-12;  // smallest result of a fit
 constexpr double kFarAway = 0.7;         // = log 2
-constexpr double kEnough = 8;            // number of points that double the trust in the fit
+constexpr double kEnough = 8;            // number of points at which the trust in the fit doubles
 constexpr float kNowhere = 1e9F;         // beyond the reach of any neighbour
 constexpr int kReweightings = 6;
 

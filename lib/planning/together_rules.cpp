@@ -15,7 +15,7 @@ std::string why_not(const Structure& s, std::int32_t group_class) {
   if (!c.quadratic) return "has an equation that is a function of the program";
   if (c.n < 2 || c.n > 3) return "has " + std::to_string(c.n) + (c.n == 1 ? " unknown" : " unknowns");
   if (c.blocks != 1) return "can be divided further";
-  if (c.first_wanted != 0) return "has unknowns whose highest derivative nothing needs";
+  if (c.first_wanted != 0) return "has unknowns whose highest derivative is not needed";
   if (!separate(compile(c, s.pattern(group_class)), c.input_moves)) return "has products of different unknowns";
   return "";
 }
@@ -43,7 +43,7 @@ std::string why_not_together(const Structure& structure, const Strategy& strateg
     for (const Group& g : structure.groups) {
       if (static_cast<std::size_t>(g.group_class) == c) name = g.name;
     }
-    return "+together needs groups of 2 or 3 unknowns without products of different unknowns, and group " + name + " " +
+    return "+together needs groups of 2 or 3 unknowns without products of different unknowns, but group " + name + " " +
            reason;
   }
   return "";

@@ -27,8 +27,8 @@ std::vector<Index> levels_of_unknowns(Index unknowns, std::vector<std::vector<In
   std::vector<Index> levels(idx(unknowns), 0);
   const auto rows = static_cast<Index>(equations.size());
   if (unknowns == 0 || rows == 0) return levels;
-  // In the order of the unknowns: if the drivers of a chain came last, each would look for its unknown along the chain.
-  // If there are more equations than unknowns, the order decides which ones count.
+  // Sorts equations by their unknowns: if the drivers of a chain came last, the matching would search the whole chain
+  // for each of them. If there are more equations than unknowns, their order decides which ones count, and is kept.
   if (rows == unknowns) {
     std::stable_sort(equations.begin(), equations.end(), [](const auto& a, const auto& b) {
       return *std::max_element(a.begin(), a.end()) < *std::max_element(b.begin(), b.end());

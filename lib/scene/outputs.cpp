@@ -52,7 +52,7 @@ Output column_of(const Output& output, std::size_t component, std::size_t deriva
   return out;
 }
 
-// Each column appears once, where it is first asked for. Of an output that was partly asked for before, the other
+// Each column appears once, where it is first requested. Of an output that was partly requested before, the other
 // columns remain.
 std::vector<Output> without_repetition(const std::vector<Output>& outputs) {
   std::unordered_map<std::string_view, std::array<std::array<bool, 3>, 3>> taken;  // [derivative][component]

@@ -22,8 +22,8 @@ struct PoseParts {
 [[nodiscard]] bool asks_for_pose(const std::vector<Body>& bodies, const std::vector<std::string>& outputs);
 
 // Replaces outputs such as "B" and "B.quaternion" by members and measures, and adds these. The frame of a body without
-// one is that of the ground in the posture as written. To be called before joints are expanded. Returns for each output
-// the index of the written one; empty: nothing was replaced.
+// one is that of the ground in the posture as written. To be called before joints are expanded. Returns, for each new
+// output, the index of the written output; empty: nothing was replaced.
 [[nodiscard]] std::vector<std::size_t> expand_poses(PoseParts parts);
 
 }  // namespace assur

@@ -267,9 +267,8 @@ void Validation::place_members(const Body& body, const Where& where) {
     if (member.in_ground) local_[member.name] = local;
     if (member.in_ground && usable && !triple::is_finite(local) && triple::is_finite(member.local)) {
       report(where / (is_point ? "points" : "vectors") / member.name,
-             "the axes of its body lie in a plane as written, so that ground coordinates mean nothing in it; write w = "
-             "u x "
-             "v");
+             "the axes of its body lie in a plane as written, so that ground coordinates do not define the member; "
+             "write w = u x v");
     }
     const Triple turned = frame.turn(local);
     symbol->at = is_point ? triple::add(frame.origin, turned) : unit(turned);

@@ -122,8 +122,9 @@ void Validation::check_arm(const PointAngle& d, const Involved& a, const Involve
                                "another: \"angle\": [[\"A\", \"B\"], [\"C\", \"D\"]]");
   } else if (placed &&
              !(triple::norm(triple::cross(axis.at, arm)) > 1e-9 * triple::norm(arm) * triple::norm(axis.at))) {
-    report(where / "angle", "there is no arm across the axis from " + in_quotes(d.a) + " to " + in_quotes(d.b) +
-                                ", so there is no angle about it; choose another axis or other positions");
+    report(where / "angle", "the direction from " + in_quotes(d.a) + " to " + in_quotes(d.b) +
+                                " is parallel to the axis, so it has no angle about it; choose another axis or other "
+                                "positions");
   } else if (placed) {
     // The distance is the arm's length; its component along the axis is that of the posture as written.
     const double along = std::abs(triple::dot(axis.at, arm)) / triple::norm(axis.at);
@@ -132,9 +133,8 @@ void Validation::check_arm(const PointAngle& d, const Involved& a, const Involve
       if (distance == nullptr || !distance->value || pair_key(distance->p, distance->q) != pair_key(d.a, d.b)) continue;
       if (*distance->value > along) continue;
       report(where / "angle", "the distance " + in_quotes(c.name) + " of " + shortest(*distance->value) + " m" +
-                                  " leaves no arm across the axis, because along the axis " + in_quotes(d.b) + " is " +
-                                  shortest(along) + " m from " + in_quotes(d.a) +
-                                  "; move it or choose another distance");
+                                  " is too short: along the axis " + in_quotes(d.b) + " is " + shortest(along) +
+                                  " m from " + in_quotes(d.a) + "; move it or choose a longer distance");
     }
   }
 }

@@ -27,7 +27,7 @@ bool same_posture(const std::vector<double>& a, const std::vector<double>& b, co
 
 void say_alone(const LaneRun& run, std::vector<std::string>& fallbacks) {
   fallbacks.push_back("the chunk from t = " + general(run.times[0], 6) + " s on was run alone from t = " +
-                      general(run.alone_from, 6) + " s on, where it could not keep step with others");
+                      general(run.alone_from, 6) + " s on, because it could not be solved in lockstep with others");
 }
 
 // One run for each chunk. Rows behind the border to the next chunk are stored apart.

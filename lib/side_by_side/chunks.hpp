@@ -11,7 +11,7 @@
 
 namespace assur {
 
-// Division of `rows` times into chunks of equal length (fewer than asked for if the grid is short). Each chunk but the
+// Division of `rows` times into chunks of equal length (fewer than requested if the grid is short). Each chunk but the
 // first begins at or before the last row of the chunk before.
 struct ChunkGrid {
   std::vector<std::size_t> first;  // chunks: first row

@@ -90,7 +90,7 @@ class Tile {
   [[nodiscard]] bool polish();
   // Includes the last measurement in the errors of the variants.
   void keep_errors();
-  // True if the last measured errors of a variant exceed the accuracy asked for.
+  // True if the last measured errors of a variant exceed the required accuracy.
   [[nodiscard]] bool in_doubt() const { return estimate_.in_doubt(); }
   // Status of a variant by the last measurement: ok, or inaccurate with the group with the largest errors.
   [[nodiscard]] Status accuracy(int lane) const;

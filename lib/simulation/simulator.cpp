@@ -154,7 +154,7 @@ struct Simulator::Impl {
 
   // ---- accuracy
 
-  // Checks whether the posture that was reached from time `from` is as accurate as asked for.
+  // Checks whether the posture that was reached from time `from` has the required accuracy.
   Status check_accuracy(double from) {
     const double* const q[3] = {motion.at(0), motion.at(1), motion.at(2)};
     const double* const divided_by = divisors.data();

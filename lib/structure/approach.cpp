@@ -56,7 +56,7 @@ class Approach {
   }
 
  private:
-  // The longest change of a driver, rad or internal units. With gears the sum of all changes, in teeth: so that no step
+  // The longest change of a driver, rad or internal units. With gears, the sum of all changes in teeth, so that no step
   // skips a tooth.
   [[nodiscard]] double distance() const {
     const Gearing gears = gearing(s_);

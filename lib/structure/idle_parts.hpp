@@ -20,8 +20,9 @@ struct IdleParts {
 // or that belong to a declared group, are not idle.
 [[nodiscard]] IdleParts find_idle_parts(const System& system, const Blocks& blocks);
 
-// A member on the axis of a strut has the coefficient 0 with a mark beside the axis, and seems to depend on the turn of
-// the strut. Removes such terms with unknowns that are idle without them; false: there are none.
+// Removes terms with the coefficient 0 of unknowns that are idle without these terms; false: there are none. For
+// example, a member on the axis of a strut has such a term of a mark beside the axis, and seems to depend on the turn
+// of the strut.
 [[nodiscard]] bool separate_idle_parts(System& system, std::span<const Index> unknowns);
 
 }  // namespace assur

@@ -148,7 +148,7 @@ class Look {
     return !(phi <= kRounding * std::max(residual_scale(s_, e, q), kLeastScale)) && !(internal(amount(e, q)) <= kExact);
   }
 
-  // The violation. A slope that nearly vanishes says nothing: then relative to the terms.
+  // The violation; relative to the size of the terms if the gradient nearly vanishes.
   [[nodiscard]] Violation amount(Index e, const std::vector<double>& q) const {
     Violation v = violation(s_, e, q);
     const double phi = std::abs(residual<double>(s_, e, q)) * s_.unit(v.is_length ? 1 : 0);
@@ -235,8 +235,8 @@ class Look {
     return any;
   }
 
-  // Errors of a length of 1e-9 show far from the start posture. Another branch may be there: large violations do not
-  // count.
+  // An error of a length of 1e-9 is visible only far from the start posture. A posture there may be on another branch,
+  // so large violations do not count.
   void go_farther(std::vector<double> amounts, std::vector<double> q) {
     for (double at = kAround; 2 * at <= kFarthest; at *= 2) {
       const std::map<std::size_t, Seen> before = near_;
@@ -272,7 +272,8 @@ class Look {
       for (const std::size_t i : inputs->second) names.insert("driver " + s_.drivers[idx(s_.inputs[i].driver)]);
       r.constraints.assign(names.begin(), names.end());
     }
-    // Errors of lengths show as small violations near the start posture; large ones restrict the drivers.
+    // Errors of lengths cause small violations near the start posture; large violations mean that drivers are
+    // restricted.
     const bool is_error = internal(off.by) > kRefused && internal(off.by) <= kSmall;
     const bool never_holds = internal(path.by) > kRefused && path.time <= time_ + s_.scene->time().step;
     if (is_error || never_holds) impossible_.insert(r.dropped);
@@ -406,7 +407,7 @@ class Look {
   double time_;
   const std::vector<Index>& checks_;
   Structure& out_;
-  std::set<std::string>& impossible_;  // names of equations that let the mechanism not move
+  std::set<std::string>& impossible_;  // names of equations that prevent any motion
   Freedoms freedoms_;
   std::vector<Index> column_;  // scratch of DenseBlock
   std::map<std::size_t, Seen> path_, near_;

@@ -16,8 +16,8 @@ constexpr int kMostExchanges = 64;
 
 using Qr = Eigen::ColPivHouseholderQR<Eigen::MatrixXd>;
 
-// Scales rows, then columns, to unit length. Rows that nearly vanish stay small: an equation that only an error of a
-// direction makes is not independent.
+// Scales rows, then columns, to unit length. Rows that nearly vanish stay small: an equation whose gradient is only the
+// error of a direction is not independent.
 Eigen::MatrixXd scaled(Eigen::MatrixXd j) {
   for (Eigen::Index i = 0; i < j.rows(); ++i) j.row(i) /= std::max(j.row(i).norm(), kLeastScale);
   for (Eigen::Index i = 0; i < j.cols(); ++i) {

@@ -30,8 +30,8 @@ struct Order {
   Columns r;  // the triangular factor
 };
 
-// Columns and rows in the order of a breadth-first search, in which a chain of loops is a band: starts at the end that
-// a first search finds last (Cuthill and McKee 1969).
+// Columns and rows in the order of a breadth-first search, which makes a band of a chain of loops. The search starts at
+// the column that a first search reaches last (Cuthill and McKee 1969).
 struct Band {
   std::vector<Eigen::Index> columns, rows;
 };
@@ -68,7 +68,7 @@ Band band_of(const Columns& a, const std::vector<Eigen::Index>& sources) {
   return out;
 }
 
-// Of the columns with the same last row, short ones come first: they make the smallest blocks.
+// Among columns with the same last row, short ones come first, because they make the smallest blocks.
 Order factor(const Columns& a, const std::vector<Eigen::Index>& sources = {}) {
   Band band = band_of(a, sources);
   std::vector<int> place(static_cast<std::size_t>(a.rows()));
@@ -149,7 +149,7 @@ class Combinations {
     }
   }
 
-  // Calls use(row, coefficient) for each kept row that row r is a combination of, from the last block to the first.
+  // Expresses row r by kept rows: calls use(row, coefficient) for each of them, from the last block to the first.
   template <class Use>
   void express(Eigen::Index r, Use&& use) {
     subtract(r, -1, -1);
@@ -190,15 +190,15 @@ class Combinations {
 
   bool is_usable_ = false;
   std::vector<Block> blocks_;        // in solving order
-  std::vector<Eigen::Index> place_;  // columns: in their block
+  std::vector<Eigen::Index> place_;  // columns: index within the block
   std::vector<Index> block_of_;      // columns
-  std::vector<double> rest_;         // columns: of the row that is expressed
+  std::vector<double> rest_;         // columns: remainder of the row that is expressed
   std::set<Index, std::greater<>> open_;
   const SparseRows* a_ = nullptr;
 };
 
-// Exchanges dropped rows for kept ones, so that the dropped ones become combinations with small coefficients. No row is
-// taken that an earlier exchange uses, so that the kept rows stay independent. False if nothing was exchanged.
+// Exchanges dropped rows for kept ones, so that the dropped ones become combinations with small coefficients. Skips
+// rows that an earlier exchange used, so that the kept rows stay independent. False if nothing was exchanged.
 bool exchange(Combinations& combinations, SparseRank& out) {
   std::set<Eigen::Index> used;
   std::vector<std::size_t> place(out.kept.size() + out.dropped.size());
@@ -245,7 +245,7 @@ SparseRank sparse_rank(const System& s, std::span<const Index> equations, std::s
                        const std::vector<SparseRows>& postures, std::size_t best) {
   SparseRank out;
   const SparseRows& a = postures[best];
-  // From the drivers on, the first equations that determine their unknowns are kept, so that the blocks are small.
+  // Starting from the drivers, keeps the first equations that determine their unknowns, so that the blocks are small.
   std::vector<Eigen::Index> sources;
   std::vector<Index> mentioned;
   for (std::size_t i = 0; i < equations.size(); ++i) {

@@ -19,7 +19,7 @@ using SparseRows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 struct SparseRank {
   std::vector<Eigen::Index> kept;                       // independent rows
   std::vector<Eigen::Index> dropped;                    // the others
-  std::vector<std::vector<Eigen::Index>> combinations;  // dropped: the kept rows that it is a combination of
+  std::vector<std::vector<Eigen::Index>> combinations;  // for each dropped row: the kept rows that combine to it
   std::vector<Eigen::Index> undetermined;               // columns that take part in the null space
 };
 

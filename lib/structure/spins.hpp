@@ -9,7 +9,7 @@
 
 namespace assur {
 
-// A body with free unknowns in its base, or beside its plane, of which two entries of the base stay.
+// A body with free unknowns, in whose base two entries are determined: a point, and a second point or a direction.
 struct Spin {
   std::string body;
   std::string line;                 // "the line through 'P' and 'Q'"

@@ -318,8 +318,8 @@ class DrivenStart {
     }
     if (is_assembled(out_) ? !(is_meshed && is_same_tooth(asked.q)) : is_out_of_reach_) {
       out_.cannot_assemble =
-          "the gears cannot be turned from the posture as written, where their coordinates are 0, to the start "
-          "posture, so their teeth there are not known; describe a posture nearer to the start posture";
+          "the gears cannot be turned from the posture as written (coordinates 0) to the start posture, so it is "
+          "unknown which teeth mesh there; describe a posture nearer to the start posture";
     }
     if (asked.is_guess && is_assembled(out_)) {
       note_farthest_point();
@@ -519,7 +519,7 @@ class DrivenStart {
   }
 
   // The changes of the drivers from the posture as written to the start, in the form of DriverValues. Coordinates of
-  // joints count whole turns; other angles turn by the shorter way.
+  // joints count whole turns; other angles turn the shorter way.
   DriverValues counted_change(const DriverValues& from, double time, Structure& out) const {
     const DriverValues wanted = values(p_.q, false);
     DriverValues change;
@@ -533,9 +533,9 @@ class DrivenStart {
           change[i][k] = counted;
         } else if (std::abs(counted) > std::numbers::pi) {
           out.notes.push_back({"/drivers/" + name(in),
-                               "only coordinates of joints count whole turns: from the posture as written to the start "
-                               "the driver turns the gears by " +
-                                   precise(change[i][k]) + " rad, not by " + precise(counted) + " rad"});
+                               "the driver does not count whole turns, so it turns the gears by " +
+                                   precise(change[i][k]) + " rad from the posture as written to the start, not by " +
+                                   precise(counted) + " rad; drive the coordinate of a joint to count them"});
         }
       }
     }
@@ -543,7 +543,8 @@ class DrivenStart {
   }
 
   // Turns the gears from the posture as written to the start with all turns counted: the equation of a gear also holds
-  // at other teeth. Where the other groups cannot follow, they keep their guesses. False: there is no way.
+  // at other teeth. Other groups that cannot follow keep their guesses. False if the gears cannot be turned to the
+  // start.
   bool mesh_gears(Problem& asked, Structure& described) {
     if (!gearing(s_).count_turns) return true;
     const DriverValues from = written();
@@ -573,7 +574,7 @@ class DrivenStart {
     return true;
   }
 
-  // Takes those whole turns of single drivers from `change` after which the gears are as before.
+  // Subtracts from `change` whole turns of single drivers that leave the posture of the gears unchanged.
   void skip_periods(const Blocks& gears, const std::vector<double>& start, const DriverValues& from,
                     DriverValues& change) {
     constexpr double kTurn = 2 * std::numbers::pi;
@@ -596,7 +597,7 @@ class DrivenStart {
     }
   }
 
-  // True if the unknowns of the gears are those to which mesh_gears() led.
+  // True if the unknowns of the gears have the values `led`, which mesh_gears() found.
   [[nodiscard]] bool is_same_tooth(const std::vector<double>& led) const {
     return std::all_of(geared_.begin(), geared_.end(),
                        [&](Index u) { return std::abs(p_.q[idx(u)] - led[idx(u)]) <= kSameTooth; });

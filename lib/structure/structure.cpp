@@ -49,8 +49,8 @@ void list_left_out(const Blocks& blocks, const Cut& cut, Structure& out) {
   }
 }
 
-// Steps of one block with up to three unknowns are done in registers and compute all derivatives. To leave out some of
-// them would cost such steps, and predictions from the derivatives of all unknowns.
+// Steps of one block with up to three unknowns run in registers and compute all derivatives. A group that leaves out
+// some derivatives could use neither such steps nor predictions from the derivatives of all unknowns.
 constexpr std::size_t kInRegisters = 3;
 
 // The content of a group that consists of these blocks. Unknowns that are not wanted in the highest derivative come

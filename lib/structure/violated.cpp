@@ -11,7 +11,7 @@
 namespace assur {
 namespace {
 
-// "|u| = 1" -> "u"; "": another equation.
+// "u" for the equation "|u| = 1"; "" for any other equation.
 std::string_view vector_of_norm(std::string_view name) {
   constexpr std::string_view kEnd = "| = 1";
   return name.starts_with('|') && name.ends_with(kEnd) ? name.substr(1, name.size() - 1 - kEnd.size())

@@ -136,7 +136,7 @@ TEST_F(Databases, AnUnreadableDatabaseDoesNotBlockTheOthers) {
   EXPECT_TRUE(contains(model.messages[0], file("text.db").string()));
 }
 
-TEST_F(Databases, WithoutDatabasesTheModelHasNoSamples) {
+TEST_F(Databases, GiveNoSamplesIfThereAreNone) {
   const MachineModel model = read({}, host_with(4));
   ASSERT_NE(model.model, nullptr);
   EXPECT_EQ(model.model->samples(), 0u);

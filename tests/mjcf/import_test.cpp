@@ -209,7 +209,7 @@ TEST_F(Importing, RelposeIsReachedAtTheStart) {
   EXPECT_NEAR(start["slide"], 1, 1e-14);
   EXPECT_NEAR(start["qc"], 2 * std::atan2(0.1, 0.9), 1e-14);
   ASSERT_EQ(model.notes.size(), 1u);
-  EXPECT_EQ(model.notes[0], "closing the loops moved joints by up to 1, 'slide' the farthest");
+  EXPECT_EQ(model.notes[0], "closing the loops moved joints by up to 1, 'slide' the most");
 }
 
 TEST_F(Importing, KeyframesAreTheStart) {

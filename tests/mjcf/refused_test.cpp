@@ -102,9 +102,8 @@ TEST(RefusedModels, NameTheLineAndTheElement) {
       {two + "<equality>\n<joint joint1='elbow' joint2='hinge' polycoef='0 1 1 0 0'/></equality>",
        "line 8, <joint>: 'polycoef' has powers of the joint from the square on; only c0 + c1 joint2 is read"},
       {two + "<equality>\n<joint name='gear' joint1='elbow' joint2='hinge'/></equality>",
-       "line 8, <joint> 'gear': joints that move together are read if one of them is driven; write --drive hinge=LAW "
-       "or "
-       "--drive elbow=LAW"},
+       "line 8, <joint> 'gear': an equality of joints is read only if one of the joints is driven; write --drive "
+       "hinge=LAW or --drive elbow=LAW"},
       {two + "<actuator>\n<motor joint='elbo'/></actuator>",
        "line 8, <motor>: there is no joint 'elbo'; did you mean 'elbow'? There are: elbow, hinge"},
       {two + "<actuator>\n<moter joint='elbow'/></actuator>",
@@ -158,7 +157,7 @@ TEST(RefusedModels, AreBoundedInSizeAndDepth) {
   std::string deep, end;
   for (int i = 0; i < 120; ++i) deep += "<body>", end += "</body>";
   EXPECT_EQ(message_of(folder.write("model.xml", "<mujoco><worldbody>\n" + deep + end + "</worldbody></mujoco>")),
-            "line 2: elements are inside each other more than 100 times, the limit");
+            "line 2: elements are nested more than 100 levels deep, the limit");
   EXPECT_EQ(message_of(folder.write("model.xml", "<mujoco>" + std::string(16'000'001, ' ') + "</mujoco>")),
             "the model cannot be read: it is larger than 16 MB, the limit");
   // Each file is below the limit, but not both together.
@@ -168,22 +167,21 @@ TEST(RefusedModels, AreBoundedInSizeAndDepth) {
             folder.path("part.xml") + ": the files of the model have more than 16 MB, the limit");
   // The limit of depth holds over several files.
   folder.write("part.xml", "<mujocoinclude>" + deep.substr(0, 6 * 60) + end.substr(0, 7 * 60) + "</mujocoinclude>");
-  EXPECT_EQ(
-      message_of(folder.write("model.xml", "<mujoco><worldbody>" + deep.substr(0, 6 * 60) +
-                                               "<include file='part.xml'/>" + end.substr(0, 7 * 60) +
-                                               "</worldbody></mujoco>")),
-      folder.path("part.xml") + ": line 1, <body>: elements are inside each other more than 100 times, the limit");
+  EXPECT_EQ(message_of(folder.write("model.xml", "<mujoco><worldbody>" + deep.substr(0, 6 * 60) +
+                                                     "<include file='part.xml'/>" + end.substr(0, 7 * 60) +
+                                                     "</worldbody></mujoco>")),
+            folder.path("part.xml") + ": line 1, <body>: elements are nested more than 100 levels deep, the limit");
 }
 
 // Nesting of defaults and of includes, numbers of elements, and entities.
-TEST(RefusedModels, AreBoundedInWhatTheyExpandTo) {
+TEST(RefusedModels, AreBoundedInTheirExpandedSize) {
   const test::Folder folder;
   const auto refusal = [&](const std::string& inside) {
     return message_of(folder.write("model.xml", "<mujoco>\n" + inside + "</mujoco>"));
   };
   std::string deep, end;
   for (int i = 0; i < 120; ++i) deep += "<default class='c" + std::to_string(i) + "'>", end += "</default>";
-  EXPECT_EQ(refusal(deep + end), "line 2: elements are inside each other more than 100 times, the limit");
+  EXPECT_EQ(refusal(deep + end), "line 2: elements are nested more than 100 levels deep, the limit");
   for (int i = 0; i < 9; ++i) {
     folder.write("part" + std::to_string(i) + ".xml",
                  "<mujocoinclude><include file='part" + std::to_string(i + 1) + ".xml'/></mujocoinclude>");

@@ -190,7 +190,7 @@ TEST(JointFiles, NameABodyWithABadName) {
 }
 
 // Two joints of one pair of bodies may lock them.
-TEST(JointFiles, NameWhatOtherJointsLock) {
+TEST(JointFiles, NameCoordinatesThatOtherJointsLock) {
   const std::string locked = R"("J": {"prismatic": ["ground", "a"], "axis": [1, 0]},
                                 "K": {"revolute": ["ground", "a"], "at": [0, 0]}, "L": {"fixed": ["a", "b"]})";
   const std::string why = "joint 'J' cannot slide, because other joints hold both of its bodies";
@@ -233,7 +233,7 @@ TEST(JointFiles, ShareNamesWithAllKinds) {
 TEST(JointFiles, BodiesWithoutBaseHaveMembersInTheGround) {
   EXPECT_EQ(refusal(2, R"("bodies": {"a": {"points": {"P": [1, 0]}}}, "joints": {"J": {"revolute": ["ground", "a"],
                          "at": [0, 0]}})"),
-            "scene: /bodies/a/points/P: the body has no frame of its own; write the coordinates in the ground as "
+            "scene: /bodies/a/points/P: the body has no frame of its own; give ground coordinates of the posture as "
             "written, {\"at\": [...]}");
 }
 

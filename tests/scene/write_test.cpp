@@ -99,7 +99,7 @@ TEST(WriteScene, UnitVectorsKeepEveryBit) {
   written_and_read(b.build());
 }
 
-// Joints stay joints, names keep their order, and what a person would leave out is left out.
+// Joints stay joints, names keep their order, and redundant keys are left out.
 TEST(WriteScene, WritesAsAPersonWould) {
   const std::string text = R"({
   "assur": 1,

@@ -235,7 +235,7 @@ TEST(Gears, ALaterStartIsOnTheToothOfTheMotion) {
   }
 }
 
-// A displacement tells whole turns of its pinion, and another wheel on the pinion shows them.
+// A displacement determines whole turns of its pinion, and another wheel on the pinion shows them.
 TEST(Gears, ARackStartsWhereItsPinionTurnsIt) {
   const double radius = 0.05, ratio = 2.0 / 3;
   for (const bool pinion_drives : {true, false}) {
@@ -266,7 +266,7 @@ TEST(Gears, ARackStartsWhereItsPinionTurnsIt) {
   }
 }
 
-// An angle between points does not tell whole turns: the wheels turn by the shorter way, and a note says so.
+// An angle between points does not count whole turns: the wheels turn the shorter way, and a note reports this.
 TEST(Gears, OnlyCoordinatesCountWholeTurns) {
   const auto by_points = [](double start) {
     return SceneBuilder("wheels", 2)
@@ -287,7 +287,7 @@ TEST(Gears, OnlyCoordinatesCountWholeTurns) {
     const std::vector<Diagnostic> notes = analyze(scene).notes;
     EXPECT_EQ(std::count_if(notes.begin(), notes.end(),
                             [](const Diagnostic& n) {
-                              return n.where == "/drivers/motor" && n.what.starts_with("only coordinates of joints");
+                              return n.where == "/drivers/motor" && n.what.starts_with("the driver does not count");
                             }),
               turns == 0 ? 0 : 1);
   }

@@ -1,4 +1,4 @@
-// More drivers than freedoms: what the drivers move must keep its shape, or the mechanism is refused.
+// More drivers than freedoms: bodies that drivers move must keep their shape, or the scene is refused.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -72,7 +72,7 @@ TEST(Predictor, WeightsReproduceTheLastPosture) {
 }
 
 // Postures too near to the last one are left out, because extrapolation would amplify their errors.
-TEST(Predictor, LeavesOutTooNearPostures) {
+TEST(Predictor, OmitsPosturesThatAreTooClose) {
   const std::vector<double> near = {0.3, 0.3 - 1e-9};
   const PredictionWeights hermite = prediction_weights({Predictor::Kind::hermite, 5}, near, 0.31);
   EXPECT_EQ(hermite.postures, 1);

@@ -163,7 +163,7 @@ TEST(Stops, BeginWithinTheLimitByWholeTurns) {
 }
 
 // With one bound, or with bounds more than a turn apart, any number of turns might be meant.
-TEST(Stops, BeginWhereTheAngleIsIfTurnsAreNotClear) {
+TEST(Stops, AddNoTurnsIfTheirNumberIsAmbiguous) {
   for (const double most : {HUGE_VAL, 7.2}) {
     SceneBuilder builder = pump(0.5);
     builder.measure("direction", AbsoluteAngle{"O", "B"}).limit("direction", 0.8, most);

@@ -120,10 +120,9 @@ TEST(GroundMembers, AreRefusedInABodyWithoutAxes) {
       "vectors": {"u": {"at": [1, 0, 0]}, "v": {"at": [0, 1, 0]}, "w": {"at": )";
   const std::string behind = R"(}}, "bodies": {"b": {"origin": "O", "frame": ["u", "v", "w"],
       "points": {"P": {"at": [1, 2, 3]}}}}, "time": {"start": 0, "end": 1, "step": 0.5}})";
-  EXPECT_EQ(
-      refusal(front + "[1, 1, 0]" + behind),
-      "scene: /bodies/b/points/P: the axes of its body lie in a plane as written, so that ground coordinates mean "
-      "nothing in it; write w = u x v");
+  EXPECT_EQ(refusal(front + "[1, 1, 0]" + behind),
+            "scene: /bodies/b/points/P: the axes of its body lie in a plane as written, so that ground coordinates do "
+            "not define the member; write w = u x v");
 }
 
 // ---- degrees

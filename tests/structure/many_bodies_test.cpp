@@ -142,7 +142,7 @@ TEST_P(ManyBodies, HaveTheStructureOfFew) {
   EXPECT_TRUE(s.redundant.empty());
 }
 
-TEST_P(ManyBodies, AllocateInProportion) {
+TEST_P(ManyBodies, AllocationsGrowInProportion) {
   const auto count = [](int bodies) {
     const std::int64_t before = test::allocations();
     (void)analyze(GetParam().make(bodies));

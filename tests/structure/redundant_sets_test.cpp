@@ -97,7 +97,7 @@ TEST(RedundantSets, OfChainsOfParallelogramsAreOneSet) {
 }
 
 // Redundancy is local, so that the work grows with the number of loops.
-TEST(RedundantSets, OfLongChainsTakeWorkInProportion) {
+TEST(RedundantSets, WorkGrowsInProportionToTheLengthOfAChain) {
   const auto count = [](int loops) {
     const Scene scene = chain(loops, 2);
     const std::int64_t before = test::allocations();

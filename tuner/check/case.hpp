@@ -12,9 +12,9 @@
 
 namespace assur::check {
 
-// The end of a run. "pass": a clean status, no event, and a forward error within the accuracy asked for; "refused": an
+// The end of a run. "pass": a clean status, no event, and a forward error within the required accuracy; "refused": an
 // Error of kind input or numerical; else the name of a Code. No case may expect "wrong" (a clean status, or rows before
-// an event, with larger errors than asked for), "other_bits", "no_yardstick" or "differs".
+// an event, with errors above the required accuracy), "other_bits", "no_yardstick" or "differs".
 using Verdict = std::string;
 
 struct Expected {
@@ -34,7 +34,7 @@ struct Case {
   std::vector<std::filesystem::path> tables;  // further folders for tables
   std::optional<TimeGrid> time;
   std::vector<std::string> outputs;
-  double accuracy = 0;                    // accuracy asked for; 0: none, with the limit kDoubtfulError
+  double accuracy = 0;                    // required accuracy; 0: none, with the limit kDoubtfulError
   int iterations = 0;                     // StepLimits::iterations
   std::vector<Formulation> formulations;  // empty: all
   std::vector<std::string> strategies;    // empty: all that can run it

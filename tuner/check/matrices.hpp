@@ -17,7 +17,7 @@ using Dense = std::vector<std::vector<double>>;  // rows
 [[nodiscard]] Dense matrix(const std::string& name, const Parameters& set);
 
 // Solves for a known solution with every backend that can: plain, "+float", "+refine" and both, or with the strategies
-// of the case. If the forward error of the solution exceeds the accuracy asked for, the verdict is "inaccurate" if
+// of the case. If the forward error of the solution exceeds the required accuracy, the verdict is "inaccurate" if
 // figures() show it, else "wrong".
 [[nodiscard]] Result run_matrix(const Case& c, const std::function<bool()>& stop);
 

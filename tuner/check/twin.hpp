@@ -7,7 +7,7 @@
 
 namespace assur::check {
 
-// The first row and column that differ by more than a power of two that is common to the column; "": none.
+// The first row and column whose numbers differ, apart from a power of two that the whole column shares; "": none.
 [[nodiscard]] std::string other_bits(const Trajectory& a, const Trajectory& b);
 
 }  // namespace assur::check

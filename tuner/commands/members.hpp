@@ -30,7 +30,7 @@ struct Members {
   std::int64_t all = 0, done = 0;
   std::int64_t interrupted = 0;
   std::int64_t alone = 0;       // members that left the lockstep with others
-  std::int64_t inaccurate = 0;  // members among the failed ones that arrived with larger errors than asked for
+  std::int64_t inaccurate = 0;  // members among the failed ones that arrived, but missed the required accuracy
   std::vector<Failure> failed;
   std::vector<Event> events;
 

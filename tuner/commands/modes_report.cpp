@@ -68,7 +68,7 @@ std::vector<std::string> findings(const AssemblyModes& m) {
     for (const std::vector<double>& fold : m.folds) at.push_back(posture(m.unknowns, fold));
     say(counted(m.multiple, "path") + (m.multiple == 1 ? " ends" : " end") +
         " at multiple solutions (folds) or at solutions that are not isolated, none of which is a mode" +
-        (at.empty() ? "; no such place is real for certain" : ": " + listed(at, 4)));
+        (at.empty() ? "; none of these solutions is certainly real" : ": " + listed(at, 4)));
   }
   if (m.excluded > 0) {
     say(counted(m.excluded, "further solution") + (m.excluded == 1 ? " breaks" : " break") +

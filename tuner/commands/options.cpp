@@ -80,7 +80,7 @@ void add_scene(CLI::App& app, Common& common, std::string& scene, std::vector<st
 }
 
 void add_import(CLI::App& app, Invocation& call) {
-  CLI::App& model = *app.add_subcommand("import", "Make a scene of a model in MuJoCo's format");
+  CLI::App& model = *app.add_subcommand("import", "Convert a MuJoCo model to a scene");
   model.add_option("FILE", call.model.file, "The model, a file that ends with .xml")->required()->type_name("");
   CLI::Option* out = model.add_option("--out", call.model.out, "Write the scene")->type_name("SCENE");
   add_model(model, call.common.model);

@@ -35,7 +35,7 @@ TimeGrid grid_of(const TimeGrid& scene, const RunOptions& options) {
   return grid;
 }
 
-// Throws if latency is asked of a run that is not step by step.
+// Throws if latency is requested for a run that is not step by step.
 void check_mode(const RunOptions& options, bool chunks) {
   if (options.mode != Mode::latency || (!chunks && options.ensemble.empty())) return;
   const std::string what = chunks ? "+chunks= runs parts of the time grid" : "--ensemble runs its members";

@@ -17,7 +17,7 @@
 
 namespace assur::command {
 
-// The output files: (option, file), "" if not asked for.
+// The output files: (option, file), "" if not requested.
 [[nodiscard]] std::vector<std::pair<std::string, std::string>> outputs_of(const RunOptions& options);
 
 // Reads the scene with its options and these parameters. Throws Error (input) if an output file is one of its tables.
@@ -42,7 +42,7 @@ void check_errors(const RunOptions& options, const PrepareOptions& how);
 [[nodiscard]] bool write_errors(Simulator& simulator, const RunOptions& options, output::ErrorsCsv& csv,
                                 output::Progress& progress);
 
-// Repeats the motion for --animate and --picture, step by step and with all points; null: not asked for. False if
+// Repeats the motion for --animate and --picture, step by step and with all points; null: not requested. False if
 // interrupted; page and picture then show the motion so far.
 [[nodiscard]] bool write_animation(const Prepared& prepared, const Report& report, PrepareOptions how,
                                    const std::vector<ModeChoice>& modes, const RunOptions& options,

@@ -36,7 +36,7 @@ struct Answer {
   Finalist again;                         // the chosen plan, prepared again and raced against itself
   double expected_seconds = 0;            // expected time of a step of the chosen plan
   double best_trial_seconds = 0;          // best time in the first race, for comparison with `uniform`
-  std::map<std::string, double> uniform;  // seconds of each strategy that is the same for all classes
+  std::map<std::string, double> uniform;  // seconds of a step, for each strategy that all classes share
 
   [[nodiscard]] double regret() const { return chosen.seconds / best.seconds - 1; }
   // Regret between two equal plans in the same race: the error of the measurement.

@@ -13,7 +13,7 @@ namespace assur::output {
 struct ComparisonSummary {
   std::string scene;
   double step = 0;                 // s, of the time grid
-  std::vector<double> accuracies;  // accuracies asked for
+  std::vector<double> accuracies;  // required accuracies
   const measure::WorkPrecision& result;
 };
 

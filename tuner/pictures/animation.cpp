@@ -80,7 +80,7 @@ std::vector<std::string> moving_places(const Scene& scene) {
   return places;
 }
 
-// The places that are no outputs of `shown`.
+// The points and vectors that are not among the outputs of `shown`.
 std::set<std::string> not_shown(const Prepared& shown) {
   std::set<std::string> columns, missing;
   for (std::string& name : column_names(*shown.structure->system)) columns.insert(std::move(name));

@@ -13,8 +13,8 @@
 
 namespace assur::pictures {
 
-// The same scene, with the positions of all points and the directions of all vectors among its outputs, except those
-// that no equation determines: points beside the line about which a rod turns freely.
+// The same scene, with the positions of all points and the directions of all vectors among its outputs, except points
+// that no equation determines, such as a point off the line about which a rod turns freely.
 [[nodiscard]] Scene with_all_places(const Scene& scene);
 
 // Collects the postures of a simulator of with_all_places(scene), step after step.

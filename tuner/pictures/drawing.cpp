@@ -401,7 +401,7 @@ class Draughtsman {
   std::vector<std::vector<int>> bodies_at_;                         // of each point
   std::set<int> jointed_;                                           // points
   std::set<std::string> driven_turns_, driven_slides_;              // names of joints
-  std::set<int> driven_points_;                                     // about which something is driven to turn
+  std::set<int> driven_points_;                                     // points about which a driver turns a part
 };
 
 }  // namespace

@@ -19,7 +19,7 @@ using triple::scale;
 
 Triple unit(const Triple& v) { return scale(1 / std::max(triple::norm(v), 1e-300), v); }
 
-// Two directions at right angles to one and to each other.
+// Two directions perpendicular to the axis and to each other.
 std::array<Triple, 2> across(const Triple& axis) {
   const Triple b = unit(triple::cross(std::abs(axis[2]) < 0.9 ? Triple{0, 0, 1} : Triple{1, 0, 0}, axis));
   return {b, unit(triple::cross(axis, b))};

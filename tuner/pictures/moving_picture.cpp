@@ -52,7 +52,7 @@ std::vector<Triple> seen(const Postures& p, std::size_t last) {
 
 class Painter {
  public:
-  // last: the last frame of the motion that is shown; frames: at most so many of them.
+  // last: index of the last shown frame of the motion; frames: largest number of frames to draw.
   Painter(const Postures& p, const View& view, std::size_t last, bool repeats, std::size_t frames)
       : p_(p), d_(*p.drawing), view_(view), last_(last), svg_(cycle(p, view, last, repeats, frames)) {
     size_ = symbol_size();

@@ -17,8 +17,8 @@ struct Quantity {
   std::vector<std::size_t> columns;  // indices into Trajectory::columns()
 };
 
-// All outputs of a scene in the order of the plots: as asked for; without named outputs, scalars such as measures come
-// first.
+// All outputs of a scene in the order of the plots: the order in which they are named; without named outputs, scalars
+// such as measures come first.
 [[nodiscard]] std::vector<Quantity> quantities(const Structure& structure);
 
 }  // namespace assur::pictures

@@ -31,8 +31,8 @@ struct TuningSummary {
 
 // The fastest candidate of a cell.
 struct Winner {
-  std::string family;              // name of the series of winners that can be compared, with the kernel
-  Kernel kernel = Kernel::factor;  // factor: with three solutions
+  std::string family;              // together with `kernel`: the series in which winners can be compared
+  Kernel kernel = Kernel::factor;  // for Kernel::factor, `seconds` includes three solutions
   bool side_by_side = false;       // true: sixteen matrices; false: one
   std::int32_t n = 0, groups = 1;
   std::string strategy;

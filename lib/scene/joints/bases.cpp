@@ -28,8 +28,8 @@ std::vector<std::size_t> Expansion::order() const {
 void Expansion::choose_base(std::size_t s) {
   Solid& solid = solids_[s];
   std::vector<std::size_t> all = solid.features;
-  // Of equal ones, directions of slides come first: if only the ends of a strut determine its direction, the others
-  // need not be solved together with it.
+  // Among equally suitable features, directions of slides come first: if only the ends of a strut determine its
+  // direction, the other features need not be solved together with it.
   const auto key = [&](std::size_t i) { return std::pair(rank(features_[i], solid), features_[i].slides ? 0 : 1); };
   std::stable_sort(all.begin(), all.end(), [&](std::size_t a, std::size_t b) { return key(a) < key(b); });
   const auto first = std::find_if(all.begin(), all.end(), [&](std::size_t i) { return features_[i].is_point; });

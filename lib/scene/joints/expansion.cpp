@@ -170,7 +170,7 @@ void Expansion::place_features() {
         if (!m.in_ground && !to_ground(b, m, is_point, f.at)) return;
       } else if (!m.in_ground) {
         report(Where("/bodies") / b.name / (is_point ? "points" : "vectors") / m.name,
-               "the body has no frame of its own; write the coordinates in the ground as written, {\"at\": [...]}");
+               "the body has no frame of its own; give ground coordinates of the posture as written, {\"at\": [...]}");
         return;
       } else {
         f.wanted = false;

@@ -83,7 +83,7 @@ struct Solid {
   std::vector<std::size_t> bodies;  // indices; the ground may have none
   bool is_ground = false;
   int based = kNobody;                // the body that has a base of its own
-  Index level = 0, turn_level = 0;    // of its position and of its rotation: others of higher levels follow from these
+  Index level = 0, turn_level = 0;    // of its position and of its rotation; its features can have lower levels
   std::vector<std::size_t> features;  // without repetition
 
   [[nodiscard]] bool is_rigid() const { return is_ground || based >= 0; }

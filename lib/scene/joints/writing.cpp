@@ -106,7 +106,8 @@ void Expansion::tie(std::size_t t, std::map<std::string, std::vector<Member>>& p
   }
 }
 
-// Of the solid's other directions, one that another solid keeps at its angle to the tied one; else the tied one itself.
+// Another direction of the solid whose angle to the tied direction a second solid keeps constant; if there is none, the
+// tied direction itself.
 std::size_t Expansion::companion(const Tie& tie) const {
   const std::size_t f = tie.feature;
   if (!in_space() || features_[f].is_point) return f;

@@ -97,7 +97,7 @@ TEST(PaperConclusions, ChangeWithTheTimes) {
   EXPECT_NE(about(all, "Sparse for large").here.find("0.100 at total size 102"), std::string::npos);
 }
 
-TEST(PaperConclusions, WithoutTimesNothingIsDecided) {
+TEST(PaperConclusions, AreUndecidedWithoutTimes) {
   for (const Conclusion& c : conclusions({}, 64)) {
     EXPECT_EQ(c.verdict, Verdict::cannot_be_tested) << c.claim;
     EXPECT_FALSE(c.here.empty()) << c.claim;
