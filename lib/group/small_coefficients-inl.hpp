@@ -11,6 +11,7 @@
 #include "group/small_algebra-inl.hpp"
 
 #include <algorithm>
+#include <cstddef>
 #include <span>
 #include <utility>
 #include <vector>
@@ -39,6 +40,7 @@ class Coefficients : public SmallAlgebra<W, N> {
       if (group_class.input_moves[static_cast<std::size_t>(i)] != 0) moving_.push_back(i);
     }
     L::set(1).store(at(kValue, p_.one()));
+    for (const Program::Operand& o : p_.operands) addends_.push_back({o.coefficient * W, o.reg * kParts * W});
     // Missing numbers have a slot, too, so that their uses need no test.
     const auto or_else = [](std::int32_t& slot, std::int32_t other) {
       if (slot == Separable::kNone) slot = other;
@@ -63,9 +65,9 @@ class Coefficients : public SmallAlgebra<W, N> {
     }
     for (const Program::Form& f : p_.forms) {
       L total = L::set(0), magnitude = L::set(0);
-      const Program::Operand* const end = p_.operands.data() + f.unknowns;
-      for (const Program::Operand* o = p_.operands.data() + f.begin; o != end; ++o) {
-        const L term = k(o->coefficient) * get(kValue, o->reg);
+      const Addend* const end = addends_.data() + f.unknowns;
+      for (const Addend* a = addends_.data() + f.begin; a != end; ++a) {
+        const L term = L::load(k_ + a->coefficient) * L::load(registers_.data() + a->value);
         total = total + term;
         if (kMeasure) magnitude = magnitude + abs(term);
       }
@@ -135,6 +137,11 @@ class Coefficients : public SmallAlgebra<W, N> {
   }
 
  private:
+  // Where an operand of a form finds its factors.
+  struct Addend {
+    std::ptrdiff_t coefficient, value;
+  };
+
   HWY_INLINE double* at(Part part, std::int32_t reg) { return registers_.data() + (reg * kParts + part) * W; }
   HWY_INLINE L get(Part part, std::int32_t reg) const { return L::load(registers_.data() + (reg * kParts + part) * W); }
   HWY_INLINE L k(std::int32_t i) const { return L::load(k_ + i * W); }
@@ -187,9 +194,9 @@ class Coefficients : public SmallAlgebra<W, N> {
     for (const Program::Form& f : p_.forms) {
       if (f.moving == f.unknowns) continue;
       L total = L::set(0);
-      const Program::Operand* const end = p_.operands.data() + f.unknowns;
-      for (const Program::Operand* o = p_.operands.data() + f.moving; o != end; ++o) {
-        total.add_product(k(o->coefficient), get(kPart, o->reg));
+      const Addend* const end = addends_.data() + f.unknowns;
+      for (const Addend* a = addends_.data() + f.moving; a != end; ++a) {
+        total.add_product(L::load(k_ + a->coefficient), L::load(registers_.data() + a->value + kPart * W));
       }
       total.store(at(kPart, f.reg));
     }
@@ -198,6 +205,7 @@ class Coefficients : public SmallAlgebra<W, N> {
   const Program& p_;
   Separable e_;
   std::vector<std::int32_t> moving_;  // inputs
+  std::vector<Addend> addends_;       // operands of forms
   LaneArray registers_;               // registers x parts x W
   const double* k_ = nullptr;         // coefficients of the current pack
   alignas(kLineBytes) double known_[N * W];
