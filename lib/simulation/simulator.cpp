@@ -134,6 +134,7 @@ struct Simulator::Impl {
       status = motion.step_to(t, may_reselect, stride);
     } catch (...) {
       if (motion.time() != from) fill_row();
+      if (began != nullptr) in_one_piece = false;
       throw;
     }
     if (motion.time() != from) fill_row();
@@ -442,7 +443,11 @@ Status Simulator::go_to(double t) {
     }
     status = impl_->step_to(t, false);
   }
-  if (t != from) impl_->in_one_piece = status.ok() && impl_->began == nullptr;
+  if (impl_->began != nullptr) {
+    impl_->in_one_piece = false;
+  } else if (status.ok() && t != from) {
+    impl_->in_one_piece = true;
+  }
   if (!status.ok() || t == from) return status.ok() ? impl_->tell_verdict(from) : status;
   if (auto next = impl_->reselected_if_poor()) impl_ = std::move(next);
   return impl_->check_accuracy(from);

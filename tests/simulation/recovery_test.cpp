@@ -359,5 +359,41 @@ TEST(Recovery, DividedStepsAllocateNothingAfterRestoringAnotherSimulator) {
   }
 }
 
+// The law throws in a later part of a long step, which is divided.
+TEST(Recovery, RetreatsAfterAnException) {
+  struct Broken {};
+  const Simulator* moving = nullptr;
+  const Law law = Law::function([&](double t) {
+    if (moving != nullptr && moving->time() > 0.1) throw Broken();
+    return Motion{0.5 + t, 1, 0};
+  });
+  Simulator s = test::simulator(test::limited_four_bar(law).time(0, 0.5, 0.01).build(), "groups/eigen");
+  for (int k = 1; k <= 3; ++k) ASSERT_TRUE(s.step().arrived());
+  const std::vector<double> row = row_of(s);
+  const double begin = s.time();
+  moving = &s;
+  EXPECT_THROW((void)s.step(1), Broken);
+  EXPECT_GT(s.time(), begin);
+  s.retreat();
+  EXPECT_EQ(s.time(), begin);
+  EXPECT_EQ(row_of(s), row);
+}
+
+// A step that moves nothing leaves the posture as it was reached.
+TEST(Recovery, RetreatsFromAStepThatMovedNothing) {
+  Simulator s = test::simulator(test::limited_four_bar(Law::constant(0.5)).time(0, 1, 0.01).build(), "groups/eigen", {},
+                                {"motor"});
+  for (int k = 1; k <= 5; ++k) {
+    s.set("motor", 0.5 + 0.01 * k);
+    ASSERT_TRUE(s.step().arrived());
+  }
+  EXPECT_EQ(s.step(kNan).code, Code::not_finite);
+  s.set("motor", kNan);
+  EXPECT_EQ(s.step().code, Code::not_finite);
+  const std::vector<double> row = row_of(s);
+  s.retreat();
+  EXPECT_EQ(row_of(s), row);
+}
+
 }  // namespace
 }  // namespace assur
