@@ -196,7 +196,9 @@ class Simulator {
   // memory and takes the time of 20 to 80 steps of a small mechanism.
   [[nodiscard]] std::vector<GroupFigures> examine();
 
-  // Report since construction, reset() or the begin of run(). Each call updates effort, fallbacks and estimates.
+  // Report since construction, reset() or the begin of run(). Each call updates effort, fallbacks and estimates, and
+  // may allocate memory, because solvers that did extra work are described in words; a control loop uses the status
+  // that step() returns. step() keeps the latest 500 to 1,000 events (Report::dropped_events).
   [[nodiscard]] const Report& report() const;
   // The plan and structure in use; another choice among redundant equations replaces them.
   [[nodiscard]] const Prepared& prepared() const;
@@ -205,6 +207,7 @@ class Simulator {
   Status go_to(double t);
   [[nodiscard]] bool run_in_chunks(std::span<const double> times, const Observer& observer, Trajectory& out);
   friend std::vector<double> posture_of(const Simulator& simulator);  // for use inside the library
+  friend Status step_of_run(Simulator& simulator, double t);          // the same: as step(t), but keeps all events
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

@@ -23,6 +23,7 @@ namespace assur {
 namespace {
 
 constexpr std::size_t kEventsReserved = 64;
+constexpr std::size_t kMostEvents = 1000;  // of single steps; then the older half is dropped
 
 // On the long way to the starts of chunks, the step length that works hardly changes. Measured on stewart and four_bar
 // with patience from 2 to 16 and growth from 1.25 to 2: these need few attempts, and one in seven is rejected.
@@ -121,6 +122,19 @@ struct Simulator::Impl {
   }
 
   // ---- one step
+
+  // Bounds the memory of a control loop.
+  void drop_old_events() {
+    if (report.events.size() < kMostEvents) return;
+    const std::size_t dropped = report.events.size() - kMostEvents / 2;
+    report.events.erase(report.events.begin(), report.events.begin() + static_cast<std::ptrdiff_t>(dropped));
+    report.dropped_events += static_cast<std::int64_t>(dropped);
+  }
+
+  void begin_step() {
+    began = nullptr;
+    motion.count_rejected_from(0);
+  }
 
   Status step_to(double t, bool may_reselect) {
     Stride stride;
@@ -426,10 +440,14 @@ Simulator::~Simulator() = default;
 
 double Simulator::time() const { return impl_->motion.time(); }
 
+Status step_of_run(Simulator& simulator, double t) {
+  simulator.impl_->begin_step();
+  return simulator.go_to(t);
+}
+
 Status Simulator::step(double t) {
-  impl_->began = nullptr;
-  impl_->motion.count_rejected_from(0);
-  return go_to(t);
+  impl_->drop_old_events();
+  return step_of_run(*this, t);
 }
 
 Status Simulator::go_to(double t) {
@@ -462,9 +480,10 @@ Status Simulator::step() {
   const auto go_back = [&] {
     if (impl_->began != nullptr) Impl::restore(impl_, *impl_->began);
   };
+  impl_->drop_old_events();
   const std::size_t events = impl_->report.events.size();
   try {
-    const Status status = step(t);
+    const Status status = step_of_run(*this, t);
     if (status.arrived()) return status;
     const auto undone = impl_->report.events.begin() + static_cast<std::ptrdiff_t>(events);
     impl_->report.events.erase(std::remove_if(undone, impl_->report.events.end(), is_passage),
@@ -569,7 +588,7 @@ Trajectory Simulator::run(std::span<const double> times, const Observer& observe
   std::optional<Pinned> here;  // once, not at every step
   if (!impl_->limits.pin_to.empty() && impl_->motion.levels().threads() > 1) here.emplace(impl_->limits.pin_to[0]);
   for (const double t : times) {
-    if (!step(t).arrived()) break;
+    if (!step_of_run(*this, t).arrived()) break;
     out.times_.push_back(t);
     pages.reach(out.values_.size() + impl_->row.size());
     out.values_.insert(out.values_.end(), impl_->row.begin(), impl_->row.end());
