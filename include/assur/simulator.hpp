@@ -61,10 +61,10 @@ struct StepLimits {
   int iterations = 0;
   int most_iterations = 12;  // a step is halved if a group needs more; at least 1; for groups whose number is not fixed
   double seconds = 0;        // s, time limit of one try of a step, checked before each pack: Code::deadline; 0: none
-  // Processors to pin threads to, one for each of the P threads (Machine::cores); without effect if P = 1. The calling
-  // thread is pinned during a call only. Pinned threads busy-wait within a step, so use dedicated cores; between steps
-  // they sleep. Empty: the system places the threads. The constructor throws Error: input for fewer processors than
-  // threads, environment for a processor that cannot be used.
+  // Processors to pin threads to (Machine::cores), one for each of the P threads (RunSettings::threads); without effect
+  // if P = 1. The calling thread is pinned during a call only. Pinned threads busy-wait within a step, so use dedicated
+  // cores; between steps they sleep. Empty: the system places the threads. The constructor throws Error: input for
+  // fewer processors than threads, environment for a processor that cannot be used.
   std::vector<int> pin_to = {};
   // Asked between the parts of a divided step, which can be millions for a very fast law. True ends the call with
   // Code::interrupted. Empty: never.
@@ -109,14 +109,15 @@ class SimulatorState {
 // thread may change. After a fork(), both processes may go on with those simulators that no thread was using at that
 // moment; in the child they start new threads.
 //
-// P threads solve P packs of a level, or P packs of chunks, at once. Then several threads call callbacks at the same
-// time, and with chunks also laws. The motion is bitwise identical for every P.
+// P threads (RunSettings::threads) solve P packs of a level, or P packs of chunks, at once. Then several threads call
+// callbacks at the same time, and with chunks also laws. The motion is bitwise identical for every P.
 //
 // References and spans that a simulator returns are valid until its next call that is not const.
 class Simulator {
  public:
   // Begins at the assembled start posture. Throws Error: environment if the plan cannot run here, input for a negative
-  // limit or most_iterations = 0, numerical if the start posture has no velocities (it is singular).
+  // limit or most_iterations = 0, numerical if no motion can start there: the posture has no velocities (it is
+  // singular), or it is outside of a limit that ends motions.
   explicit Simulator(Prepared prepared, StepLimits limits = {});
   Simulator(Simulator&&) noexcept;             // the other simulator may then only be destroyed or assigned to
   Simulator& operator=(Simulator&&) noexcept;  // the other simulator may then only be destroyed or assigned to
