@@ -61,7 +61,9 @@ class Ensemble {
  public:
   // The end of one member.
   struct Outcome {
-    Status status;              // ok, `inaccurate` (the member arrived nevertheless), or the reason why it stopped
+    // ok, `inaccurate` (the member arrived nevertheless), or the reason why it stopped. Of a member that could not
+    // start it is not_converged or singular, whatever the reason is: `cannot` gives the reason.
+    Status status;
     double reached = 0;         // last time with a valid posture, s
     std::string cannot;         // reason why the member could not start; "": it started
     bool alone = false;         // true if it ran apart from the others, because it could not keep step with them
@@ -72,17 +74,19 @@ class Ensemble {
   // `member` prepares the i-th variant, i = 0, 1, ...; the constructor calls it in this order on the calling thread. An
   // Error of kind input or numerical that it throws becomes the outcome of that member; if no member can be prepared,
   // the constructor throws the first of these errors. In an ensemble, controlled drivers follow their laws. The first
-  // member that can be prepared gives the plan: W members run in the lanes of a pack, and P threads take packs in turn.
-  // Members with another structure or start time run alone. So do members with callbacks, unless they are copies of one
-  // Prepared. A member whose outputs differ from those of the first cannot take part. Throws Error: input for no
-  // members, for limits as in Simulator, and for a deadline among them; environment if a backend of the plan cannot run
-  // here.
+  // member that can be prepared gives the plan: W members (SolverSettings::lanes) run in the lanes of a pack, and P
+  // threads (RunSettings::threads) take packs in turn.
+  // Members with another structure or start time run alone, over the same times: a member with another start time first
+  // moves from its own start posture to the first of these times. Members with callbacks run alone as well, unless they
+  // are copies of one Prepared. A member whose outputs differ from those of the first cannot take part. Throws Error:
+  // input for no members, for limits as in Simulator, and for a deadline among them; environment if a backend of the
+  // plan cannot run here.
   Ensemble(std::size_t members, const std::function<Prepared(std::size_t)>& member, StepLimits limits = {});
   Ensemble(Ensemble&&) noexcept;             // the other ensemble may then only be destroyed or assigned to
   Ensemble& operator=(Ensemble&&) noexcept;  // the other ensemble may then only be destroyed or assigned to
   ~Ensemble();
 
-  // Runs all members over the time grid of the first member. The results are bitwise identical for every number of
+  // Runs all members over the time grid of prepared(). The results are bitwise identical for every number of
   // threads; the number of lanes changes their last bits (docs/strategies.md gives the bound). The calling thread calls
   // `observer` (rows done, rows in all; of all members), which may return false to stop. All threads of the plan call
   // laws and callbacks. Exceptions from them and from the observer propagate. Throws Error (environment) if there is no

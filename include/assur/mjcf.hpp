@@ -32,9 +32,12 @@ struct ImportedModel {
     bool driven = false;
   };
   struct Driver {
-    std::string name;        // in the scene
+    // In the scene: the name of its actuator or joint equality, or JOINT_drive if it has no name or if
+    // ModelOptions::drive drives a joint without an actuator.
+    std::string name;
     std::string coordinate;  // Coordinate::name of its joint
-    bool controlled = true;  // no law was given: it stands still until a program sets it
+    // True if no law was given: it stands still, unless PrepareOptions::controlled names it and the program sets it.
+    bool controlled = true;
   };
 
   std::string name;                     // of the model

@@ -37,7 +37,7 @@ struct AssemblyModes {
   // Each of the `paths` ends at a simple solution (real or not), at infinity, at a multiple solution, or is lost.
   int paths = 0;     // 2 to the power of the unknowns that linear equations do not eliminate
   int not_real = 0;  // simple solutions with complex values
-  int diverged = 0;  // paths to infinity; a solution farther away than 1000 typical lengths may be among them
+  int diverged = 0;  // paths to infinity; a solution farther away than 1000 characteristic lengths may be among them
   int multiple = 0;  // paths to solutions that meet others: folds of the group, or postures that are not isolated
   int lost = 0;      // paths whose ends are unknown
   int excluded = 0;  // real solutions at which a redundant equation or a driver's value fails, or axes are left-handed

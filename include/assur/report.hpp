@@ -96,7 +96,7 @@ struct Event {
 };
 
 // Report of a run, or of single steps: then `status` is that of the last step if it failed, else that of the first
-// doubtful one.
+// doubtful one. A run keeps all its events. A control loop may run for days, so single steps keep the latest ones.
 struct Report {
   Counters counters;                   // work
   Effort effort;                       // extra work of all solvers; lanes are counted one by one
@@ -104,6 +104,7 @@ struct Report {
   Status status;                       // ok; `inaccurate` of the first doubtful step; or the reason why the run stopped
   double reached = 0;                  // last time with a valid posture, s
   std::vector<Event> events;           // in the order in which they were noticed
+  std::int64_t dropped_events = 0;     // events that single steps dropped: of 1,000 the oldest 500
   std::vector<std::string> fallbacks;  // deviations from the plan, with their reasons
 };
 

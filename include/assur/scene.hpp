@@ -91,7 +91,7 @@ struct Direction {
 // build() replaces joints by points and vectors that both bodies share, and by constraints (docs/joints.md). Joints
 // have coordinates: "NAME.angle" of b about the axis relative to a (rad, right-handed; 2D: counter-clockwise) and
 // "NAME.displacement" of b along the axis relative to a (m). Both are 0 in the posture as written. Drivers and measures
-// of a coordinate, and outputs, may name them; constraints and callbacks may not.
+// of a coordinate, gears, limits and outputs may name them; other constraints and callbacks may not.
 
 // A place or a direction that a joint has on both bodies: ground coordinates of the posture as written, or the name of
 // a point or vector. Directions may have any length but 0.
@@ -123,7 +123,7 @@ struct Spherical {
 struct Universal {
   std::string a, b;
   Anchor at;
-  Anchor axis_a, axis_b;  // at right angles as written, within 1e-6
+  Anchor axis_a, axis_b;  // at right angles as written: the cosine of their angle is at most 1e-6
 };
 // Sliding and turning in a plane; 3D. The bodies share the vector NAME.normal.
 struct Planar {
@@ -185,10 +185,10 @@ struct OnPlane {
 
 // Two coordinates of joints move in proportion, as those of gears or of a rack and its pinion: b = ratio * a, both
 // counted from the posture as written. build() makes a Callback of it; docs/joints.md gives its equation. The ratio of
-// two angles is that of whole numbers up to 1000, within 1e-9.
+// two angles is that of whole numbers up to 1000, within 1e-9; others are refused.
 struct Gear {
   std::string a, b;  // "JOINT.angle" or "JOINT.displacement"
-  double ratio = 1;  // not 0; 1, m/rad or rad/m
+  double ratio = 1;  // not 0; 1, m/rad or rad/m, also in a file with angles in degrees
 };
 
 // Equations of a C++ function, for scenes built in C++. All arguments and results are in SI units. The equations are
@@ -591,8 +591,10 @@ void write_scene(const Scene& scene, const std::filesystem::path& file);
 // True if the text up to the first ':' is the name of a sample.
 [[nodiscard]] bool is_sample(std::string_view text);
 
-// Reads the SCENE of the command: a file if a file of this name exists, or if the text has a '/' or ends with .json and
-// is no sample; else a sample. Throws like read_scene() and sample().
+// Reads the SCENE of the command: a file if a file of this name exists, or if the text has a '/' or ends with .json or
+// .xml and is no sample; else a sample. A file whose name ends with .xml is a model (import_model()), which has no
+// parameters. Throws like read_scene(), import_model() and sample(), and Error (input) if `set` names a parameter of a
+// model.
 [[nodiscard]] Scene open_scene(const std::string& file_or_sample, const Parameters& set = {},
                                const std::vector<std::filesystem::path>& more_folders = {});
 

@@ -61,10 +61,10 @@ struct StepLimits {
   int iterations = 0;
   int most_iterations = 12;  // a step is halved if a group needs more; at least 1; for groups whose number is not fixed
   double seconds = 0;        // s, time limit of one try of a step, checked before each pack: Code::deadline; 0: none
-  // Processors to pin threads to, one for each of the P threads (Machine::cores); without effect if P = 1. The calling
-  // thread is pinned during a call only. Pinned threads busy-wait within a step, so use dedicated cores; between steps
-  // they sleep. Empty: the system places the threads. The constructor throws Error: input for fewer processors than
-  // threads, environment for a processor that cannot be used.
+  // Processors to pin threads to (Machine::cores), one for each of the P threads (RunSettings::threads); without effect
+  // if P = 1. The calling thread is pinned during a call only. Pinned threads busy-wait within a step, so use dedicated
+  // cores; between steps they sleep. Empty: the system places the threads. The constructor throws Error: input for
+  // fewer processors than threads, environment for a processor that cannot be used.
   std::vector<int> pin_to = {};
   // Called between the parts of a divided step (millions for a very fast law). If it returns true, the call ends with
   // Code::interrupted. Empty: not called.
@@ -109,14 +109,15 @@ class SimulatorState {
 // thread may change. After a fork(), both processes may go on with those simulators that no thread was using at that
 // moment; in the child they start new threads.
 //
-// P threads solve P packs of a level, or P packs of chunks, at once. Then several threads call callbacks at the same
-// time, and with chunks also laws. The motion is bitwise identical for every P.
+// P threads (RunSettings::threads) solve P packs of a level, or P packs of chunks, at once. Then several threads call
+// callbacks at the same time, and with chunks also laws. The motion is bitwise identical for every P.
 //
 // References and spans that a simulator returns are valid until its next call that is not const.
 class Simulator {
  public:
   // Begins at the assembled start posture. Throws Error: environment if the plan cannot run here, input for a negative
-  // limit or most_iterations = 0, numerical if the start posture has no velocities (it is singular).
+  // limit or most_iterations = 0, numerical if no motion can start there: the posture has no velocities (it is
+  // singular), or it is outside of a limit that ends motions.
   explicit Simulator(Prepared prepared, StepLimits limits = {});
   Simulator(Simulator&&) noexcept;             // the other simulator may then only be destroyed or assigned to
   Simulator& operator=(Simulator&&) noexcept;  // the other simulator may then only be destroyed or assigned to
@@ -196,7 +197,9 @@ class Simulator {
   // memory and takes the time of 20 to 80 steps of a small mechanism.
   [[nodiscard]] std::vector<GroupFigures> examine();
 
-  // Report since construction, reset() or the begin of run(). Each call updates effort, fallbacks and estimates.
+  // Report since construction, reset() or the begin of run(). Each call updates effort, fallbacks and estimates, and
+  // may allocate memory, because solvers that did extra work are described in words; a control loop uses the status
+  // that step() returns. step() keeps the latest 500 to 1,000 events (Report::dropped_events).
   [[nodiscard]] const Report& report() const;
   // The plan and structure in use; another choice among redundant equations replaces them.
   [[nodiscard]] const Prepared& prepared() const;
@@ -205,6 +208,7 @@ class Simulator {
   Status go_to(double t);
   [[nodiscard]] bool run_in_chunks(std::span<const double> times, const Observer& observer, Trajectory& out);
   friend std::vector<double> posture_of(const Simulator& simulator);  // for use inside the library
+  friend Status step_of_run(Simulator& simulator, double t);          // the same: as step(t), but keeps all events
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

@@ -188,7 +188,7 @@ void SideBySide::alone(LaneRun& lane, Variant at, std::size_t row, bool to_the_e
   lane.done = std::max(lane.done, row + 1);
   if (row == lane.posture_wanted) lane.posture = posture_of(*simulator);
   for (std::size_t k = row + 1; k < rows && lane.status.arrived() && !stopped_; ++k) {
-    lane.status = simulator->step(lane.times[k]);
+    lane.status = step_of_run(*simulator, lane.times[k]);
     const Counters& its = simulator->report().counters;
     const bool plain = lane.status.arrived() && its.rejected == 0 && its.substeps == 0 &&
                        simulator->prepared().structure.get() == structure;

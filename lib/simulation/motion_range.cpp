@@ -47,7 +47,7 @@ std::string unit_of(const System& system, std::string_view name) {
 RangeEnd end_of(Simulator& simulator, double way, std::vector<double>& change_times, std::vector<PassedLimit>& passed) {
   simulator.reset();
   Status status;
-  for (int k = 1; k <= kSteps && status.arrived(); ++k) status = simulator.step(way * k / kSteps);
+  for (int k = 1; k <= kSteps && status.arrived(); ++k) status = step_of_run(simulator, way * k / kSteps);
   RangeEnd end;
   if (!status.arrived()) end.code = status.code;
   end.reached = simulator.time();

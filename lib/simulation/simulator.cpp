@@ -23,6 +23,7 @@ namespace assur {
 namespace {
 
 constexpr std::size_t kEventsReserved = 64;
+constexpr std::size_t kMostEvents = 1000;  // of single steps; then the older half is dropped
 
 // On the long way to the starts of chunks, the step length that works hardly changes. Measured on stewart and four_bar
 // with patience from 2 to 16 and growth from 1.25 to 2: these need few attempts, and one in seven is rejected.
@@ -39,19 +40,24 @@ bool is_passage(const Event& e) { return e.kind == Code::limit_exceeded || e.kin
 }  // namespace
 
 struct SimulatorState::Impl {
-  std::shared_ptr<const Prepared> first, prepared;  // at the start of the run; now, perhaps with other equations
-  Continuation::Snapshot motion;
-  ErrorEstimate::Snapshot estimate;
-  std::int64_t branch_checks = 0;
-  Status verdict, doubt;
-  std::vector<double> row;
-  std::vector<double> divisors;
-  bool in_one_piece = true;            // the posture was reached by a step that was not divided
-  std::shared_ptr<const Impl> inside;  // state for Simulator::retreat() if the step was divided
+  struct Snapshot {
+    std::shared_ptr<const Prepared> first, prepared;  // at the start of the run; now, perhaps with other equations
+    Continuation::Snapshot motion;
+    ErrorEstimate::Snapshot estimate;
+    std::int64_t branch_checks = 0;
+    Status verdict, doubt;
+    std::vector<double> row;
+    std::vector<double> divisors;
+    bool in_one_piece = true;  // the posture was reached by a step that was not divided
+  };
+  Snapshot now;
+  // For Simulator::retreat() if the step was divided, else without meaning. Simulators and states share no snapshots,
+  // so that a simulator may write to its own ones and allocates none.
+  Snapshot inside;
 };
 
 struct Simulator::Impl {
-  using Snapshot = SimulatorState::Impl;
+  using Snapshot = SimulatorState::Impl::Snapshot;
 
   // start() or restore() sets the posture.
   Impl(std::shared_ptr<const Prepared> p, StepLimits l)
@@ -74,7 +80,7 @@ struct Simulator::Impl {
     row.resize(columns.size());
     divisors.resize(outputs.measures());
     motion.before_dividing([this] { keep_start_of_step(); });
-    for (auto* kept : {&inside, &divided}) *kept = std::make_shared<Snapshot>();
+    for (auto* kept : {&inside, &divided}) *kept = std::make_unique<Snapshot>();
     clear();
   }
   Impl(std::shared_ptr<const Prepared> p, StepLimits l, double start_time) : Impl(std::move(p), l) {
@@ -105,7 +111,7 @@ struct Simulator::Impl {
       fill_row();
       judge();
       (void)tell_verdict(time);
-      for (auto* kept : {&inside, &divided}) save(writable(*kept), false);  // so that steps allocate nothing
+      for (auto* kept : {&inside, &divided}) save(**kept, false);  // so that steps allocate nothing
       return;
     }
     turns.continue_from(before->row);
@@ -116,6 +122,19 @@ struct Simulator::Impl {
   }
 
   // ---- one step
+
+  // Bounds the memory of a control loop.
+  void drop_old_events() {
+    if (report.events.size() < kMostEvents) return;
+    const std::size_t dropped = report.events.size() - kMostEvents / 2;
+    report.events.erase(report.events.begin(), report.events.begin() + static_cast<std::ptrdiff_t>(dropped));
+    report.dropped_events += static_cast<std::int64_t>(dropped);
+  }
+
+  void begin_step() {
+    began = nullptr;
+    motion.count_rejected_from(0);
+  }
 
   Status step_to(double t, bool may_reselect) {
     Stride stride;
@@ -129,6 +148,7 @@ struct Simulator::Impl {
       status = motion.step_to(t, may_reselect, stride);
     } catch (...) {
       if (motion.time() != from) fill_row();
+      if (began != nullptr) in_one_piece = false;
       throw;
     }
     if (motion.time() != from) fill_row();
@@ -238,11 +258,6 @@ struct Simulator::Impl {
 
   // ---- going back
 
-  static Snapshot& writable(std::shared_ptr<Snapshot>& kept) {
-    if (kept.use_count() > 1) kept = std::make_shared<Snapshot>();
-    return *kept;
-  }
-
   void save(Snapshot& into, bool in_step) {
     into.first = first;
     into.prepared = owned;
@@ -270,7 +285,7 @@ struct Simulator::Impl {
   // Called before a step is divided or fails.
   void keep_start_of_step() {
     if (began != nullptr) return;
-    Snapshot& kept = writable(in_one_piece ? inside : divided);
+    Snapshot& kept = in_one_piece ? *inside : *divided;
     save(kept, true);
     began = &kept;
   }
@@ -403,7 +418,7 @@ struct Simulator::Impl {
   std::vector<double> divisors;  // of the measures
   bool in_one_piece = true;      // the posture was reached by a step that was not divided
   // Starts of the last steps that were divided or failed: at a posture with in_one_piece, and at one without.
-  std::shared_ptr<Snapshot> inside, divided;
+  std::unique_ptr<Snapshot> inside, divided;
   const Snapshot* began = nullptr;  // the snapshot before the current step, if that was divided
   Effort earlier_effort;            // effort of solvers that ran the chunks or solved another set
   ErrorFigures earlier_error;       // estimated errors of the chunks
@@ -425,10 +440,14 @@ Simulator::~Simulator() = default;
 
 double Simulator::time() const { return impl_->motion.time(); }
 
+Status step_of_run(Simulator& simulator, double t) {
+  simulator.impl_->begin_step();
+  return simulator.go_to(t);
+}
+
 Status Simulator::step(double t) {
-  impl_->began = nullptr;
-  impl_->motion.count_rejected_from(0);
-  return go_to(t);
+  impl_->drop_old_events();
+  return step_of_run(*this, t);
 }
 
 Status Simulator::go_to(double t) {
@@ -442,7 +461,11 @@ Status Simulator::go_to(double t) {
     }
     status = impl_->step_to(t, false);
   }
-  if (t != from) impl_->in_one_piece = status.ok() && impl_->began == nullptr;
+  if (impl_->began != nullptr) {
+    impl_->in_one_piece = false;
+  } else if (status.ok() && t != from) {
+    impl_->in_one_piece = true;
+  }
   if (!status.ok() || t == from) return status.ok() ? impl_->tell_verdict(from) : status;
   if (auto next = impl_->reselected_if_poor()) impl_ = std::move(next);
   return impl_->check_accuracy(from);
@@ -457,9 +480,10 @@ Status Simulator::step() {
   const auto go_back = [&] {
     if (impl_->began != nullptr) Impl::restore(impl_, *impl_->began);
   };
+  impl_->drop_old_events();
   const std::size_t events = impl_->report.events.size();
   try {
-    const Status status = step(t);
+    const Status status = step_of_run(*this, t);
     if (status.arrived()) return status;
     const auto undone = impl_->report.events.begin() + static_cast<std::ptrdiff_t>(events);
     impl_->report.events.erase(std::remove_if(undone, impl_->report.events.end(), is_passage),
@@ -496,25 +520,28 @@ SimulatorState Simulator::save() {
 
 void Simulator::save(SimulatorState& into) {
   if (!into.impl_) into.impl_ = std::make_unique<SimulatorState::Impl>();
+  SimulatorState::Impl& state = *into.impl_;
+  const bool has_memory = state.now.first && state.now.first->structure == impl_->first->structure;
   impl_->motion.drop_factors();
-  impl_->save(*into.impl_, false);
-  into.impl_->inside = impl_->inside;
+  impl_->save(state.now, false);
+  if (!has_memory) impl_->save(state.inside, false);
+  if (!impl_->in_one_piece) state.inside = *impl_->inside;
 }
 
 void Simulator::restore(const SimulatorState& from) {
   if (from.empty()) throw Error(Error::Kind::input, "this state is empty; fill it with Simulator::save()");
-  const SimulatorState::Impl& state = *from.impl_;
-  const bool other_equations = state.prepared->structure->checks != impl_->structure.checks;
-  if (state.first->structure != impl_->first->structure || !(other_equations || impl_->motion.fits(state.motion))) {
+  const SimulatorState::Impl::Snapshot& now = from.impl_->now;
+  const bool other_equations = now.prepared->structure->checks != impl_->structure.checks;
+  if (now.first->structure != impl_->first->structure || !(other_equations || impl_->motion.fits(now.motion))) {
     throw Error(Error::Kind::input, "the state belongs to another plan; save it from a simulator of the same Prepared");
   }
-  Impl::restore(impl_, state);
-  impl_->inside = std::const_pointer_cast<SimulatorState::Impl>(state.inside);
+  Impl::restore(impl_, now);
+  if (!impl_->in_one_piece) *impl_->inside = from.impl_->inside;
   impl_->report.status = impl_->doubt;
 }
 
 void Simulator::retreat() {
-  if (!impl_->in_one_piece) Impl::restore(impl_, *std::shared_ptr<const SimulatorState::Impl>(impl_->inside));
+  if (!impl_->in_one_piece) Impl::restore(impl_, *impl_->inside);
   impl_->report.status = impl_->doubt;
 }
 
@@ -525,7 +552,7 @@ SimulatorState::~SimulatorState() = default;
 SimulatorState::SimulatorState(const SimulatorState& o) : impl_(o.impl_ ? std::make_unique<Impl>(*o.impl_) : nullptr) {}
 SimulatorState& SimulatorState::operator=(const SimulatorState& o) { return *this = SimulatorState(o); }
 
-double SimulatorState::time() const { return impl_ ? impl_->motion.time : kNan; }
+double SimulatorState::time() const { return impl_ ? impl_->now.motion.time : kNan; }
 
 void Simulator::reset() {
   const double start = impl_->first->start_time.value_or(impl_->first->time.start);
@@ -561,7 +588,7 @@ Trajectory Simulator::run(std::span<const double> times, const Observer& observe
   std::optional<Pinned> here;  // once, not at every step
   if (!impl_->limits.pin_to.empty() && impl_->motion.levels().threads() > 1) here.emplace(impl_->limits.pin_to[0]);
   for (const double t : times) {
-    if (!step(t).arrived()) break;
+    if (!step_of_run(*this, t).arrived()) break;
     out.times_.push_back(t);
     pages.reach(out.values_.size() + impl_->row.size());
     out.values_.insert(out.values_.end(), impl_->row.begin(), impl_->row.end());

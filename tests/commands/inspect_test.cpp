@@ -4,6 +4,7 @@
 #include "commands/command.hpp"
 #include "numbers.hpp"
 #include "output/format.hpp"
+#include "scene/system.hpp"
 #include "source_dir.hpp"
 
 namespace assur {
@@ -114,6 +115,25 @@ TEST(Inspect, PrintsNotesOnceInOrderOfImportance) {
   EXPECT_EQ(notes[2]["what"], "2 vectors are normalised: u has length 2, v 3");
 }
 
+// The powers of two below 1.9, 1.5, 3.2 and 4.5 m are 1, 1, 2 and 4 m; the larger one of the two in the middle is
+// taken. Those of a thousandth of these lengths are 1/1024, 1/1024, 1/512 and 1/256 m.
+TEST(Inspect, ShowsTheCharacteristicLength) {
+  const Scratch scratch;
+  const auto scene = [&](const std::string& name, const std::string& size) {
+    return scratch.file(name, R"({"assur": 1, "dimension": 2, "parameters": {"s": )" + size + R"(},
+      "points": {"A": {"at": [0, 0], "fixed": true}, "B": {"at": [0, "=1.9*s"]}, "C": {"at": ["=2*s", "=2.5*s"]},
+                 "D": {"at": ["=4.5*s", 0], "fixed": true}},
+      "constraints": {"ab": {"distance": ["A", "B"], "value": "=1.9*s"},
+                      "bc": {"distance": ["B", "C"], "value": "=1.5*s"},
+                      "cd": {"distance": ["C", "D"], "value": "=4.5*s"}},
+      "drivers": {"motor": {"distance": ["A", "C"], "law": {"constant": "=3*s"}}}})");
+  };
+  EXPECT_EQ(run_command({"inspect", scene("m.json", "1"), "--json"}).json()["characteristic_length"], 2);
+  EXPECT_EQ(run_command({"inspect", scene("mm.json", "1e-3"), "--json"}).json()["characteristic_length"], 1. / 512);
+  const Outcome page = run_command({"inspect", scene("m.json", "1")});
+  EXPECT_NE(page.out.find("\n  length          2 m, the characteristic length\n"), std::string::npos) << page.out;
+}
+
 // All figures of the JSON equal those of the structure.
 TEST(Inspect, JsonHasTheStructure) {
   for (const std::string scene : {"andrews", "slider_crank", "four_bar:5", "rings:legs=2,n=12"}) {
@@ -133,6 +153,7 @@ TEST(Inspect, JsonHasTheStructure) {
       EXPECT_EQ(json["eliminated"], s.eliminated);
       EXPECT_EQ(json["levels"], s.levels);
       EXPECT_EQ(json["classes"], s.classes.size());
+      EXPECT_EQ(json["characteristic_length"], s.system->unit(1));
       ASSERT_EQ(json["groups"].size(), s.groups.size());
       for (std::size_t g = 0; g < s.groups.size(); ++g) {
         EXPECT_EQ(json["groups"][g]["name"], s.groups[g].name);
@@ -176,6 +197,7 @@ TEST(Inspect, PrintsTheDocumentedPage) {
   groups              3  declared ones, else irreducible
   classes             3  of groups with the same equations
   levels              2  of groups independent of each other
+  length          0.25 m, the characteristic length
 
   level  group   unknowns  nonzeros  fill  class  up to
       0  SG_T          12        39    39      0  acceleration

@@ -314,5 +314,86 @@ TEST(Recovery, AllocatesNothing) {
   EXPECT_EQ(test::allocations() - before, 0);
 }
 
+// A divided step keeps its start for retreat(), in memory that saved states must not share.
+TEST(Recovery, DividedStepsAllocateNothingAfterSavingAndRestoring) {
+  const double targets[] = {0.5, 0.51, -0.5, -0.51};  // rad; every second step is divided
+  for (const std::string strategy : {"irreducible/lanes", "groups/eigen"}) {
+    Simulator s =
+        test::simulator(test::limited_four_bar(Law::constant(0.5)).time(0, 1, 0.01).build(), strategy, {}, {"motor"});
+    SimulatorState state = s.save();
+    std::int64_t before = 0;
+    for (int k = 0; k < 120; ++k) {  // moves, saves and restores repeat after 60 steps; pivots are chosen before that
+      if (k == 60) before = test::allocations();
+      s.set("motor", targets[k % 4]);
+      ASSERT_TRUE(s.step().arrived());
+      if (k % 3 == 0) s.save(state);
+      if (k % 5 == 0) s.restore(state);
+    }
+    EXPECT_EQ(test::allocations() - before, 0) << strategy;
+    EXPECT_GT(s.report().counters.substeps, 120) << strategy;
+  }
+}
+
+// A simulator that returns to the state of another one shares no memory with it.
+TEST(Recovery, DividedStepsAllocateNothingAfterRestoringAnotherSimulator) {
+  const Prepared prepared = prepare(test::limited_four_bar(Law::constant(0.5)).time(0, 1, 0.01).build(),
+                                    {.strategy = "groups/eigen", .controlled = {"motor"}});
+  Simulator a(prepared), b(prepared);
+  const auto turn = [](Simulator& s, double angle) {
+    s.set("motor", angle);
+    EXPECT_TRUE(s.step().arrived());
+  };
+  turn(a, 0.49);
+  ASSERT_EQ(a.report().counters.substeps, 0);
+  turn(a, -0.6);
+  ASSERT_GT(a.report().counters.substeps, 0);
+  const SimulatorState divided = a.save();
+  for (Simulator* s : {&a, &b}) {
+    s->restore(divided);
+    const std::int64_t before = test::allocations();
+    for (const double angle : {-0.59, 0.5, 0.49, -0.6}) turn(*s, angle);
+    EXPECT_EQ(test::allocations() - before, 0);
+    s->restore(divided);
+    s->retreat();
+    EXPECT_NEAR(s->output("B.x"), std::cos(0.49), 4 * kEps);
+  }
+}
+
+// The law throws in a later part of a long step, which is divided.
+TEST(Recovery, RetreatsAfterAnException) {
+  struct Broken {};
+  const Simulator* moving = nullptr;
+  const Law law = Law::function([&](double t) {
+    if (moving != nullptr && moving->time() > 0.1) throw Broken();
+    return Motion{0.5 + t, 1, 0};
+  });
+  Simulator s = test::simulator(test::limited_four_bar(law).time(0, 0.5, 0.01).build(), "groups/eigen");
+  for (int k = 1; k <= 3; ++k) ASSERT_TRUE(s.step().arrived());
+  const std::vector<double> row = row_of(s);
+  const double begin = s.time();
+  moving = &s;
+  EXPECT_THROW((void)s.step(1), Broken);
+  EXPECT_GT(s.time(), begin);
+  s.retreat();
+  EXPECT_EQ(s.time(), begin);
+  EXPECT_EQ(row_of(s), row);
+}
+
+// A step that moves nothing leaves the posture as it was reached.
+TEST(Recovery, RetreatsFromAStepThatMovedNothing) {
+  Simulator s = test::simulator(test::limited_four_bar(Law::constant(0.5)).time(0, 1, 0.01).build(), "groups/eigen", {},
+                                {"motor"});
+  for (int k = 1; k <= 5; ++k) {
+    s.set("motor", 0.5 + 0.01 * k);
+    ASSERT_TRUE(s.step().arrived());
+  }
+  EXPECT_EQ(s.step(kNan).code, Code::not_finite);
+  s.set("motor", kNan);
+  EXPECT_EQ(s.step().code, Code::not_finite);
+  const std::vector<double> row = row_of(s);
+  s.retreat();
+  EXPECT_EQ(row_of(s), row);
+}
+
 }  // namespace
 }  // namespace assur

@@ -289,6 +289,30 @@ TEST(Stops, ContinueASavedState) {
   EXPECT_NEAR(s.time(), 7, kRounding);
 }
 
+// Each turn has two events. A run keeps them all; single steps drop the older half of 1,000.
+TEST(Stops, SingleStepsKeepTheLatestEvents) {
+  constexpr int kTurns = 1100;
+  const Scene scene = pump().limit("S.displacement", -0.5, 3, kFlag).time(0, kTurns * kTurn, kTurn / 8).build();
+  Simulator all(prepare(scene)), loop(all.prepared()), row_by_row(all.prepared());
+  EXPECT_EQ(all.run().rows(), 8 * kTurns + 1);
+  EXPECT_EQ(all.report().events.size(), 2 * kTurns);
+  EXPECT_EQ(all.report().dropped_events, 0);
+  for (int k = 1; k <= 8 * kTurns; ++k) {
+    ASSERT_TRUE(loop.step().ok());
+    ASSERT_TRUE(row_by_row.step(scene.time().time(k)).ok());
+    ASSERT_LE(loop.report().events.size(), 1001u);
+  }
+  for (const Simulator* const s : {&loop, &row_by_row}) {
+    const std::vector<Event>& kept = s->report().events;
+    EXPECT_EQ(s->report().dropped_events, 1500);
+    ASSERT_EQ(kept.size(), 2 * kTurns - 1500);
+    expect_event(kept.back(), Code::within_limits, "S.displacement", all.report().events.back().time, 1e-9);
+    expect_event(kept.front(), Code::limit_exceeded, "S.displacement", all.report().events[1500].time, 1e-9);
+  }
+  loop.reset();
+  EXPECT_EQ(loop.report().dropped_events, 0);
+}
+
 TEST(Stops, AreKeptBySavedPlans) {
   std::stringstream file;
   save_plan(file,

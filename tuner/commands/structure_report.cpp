@@ -125,6 +125,7 @@ Json to_json(const Scene& scene, const Structure& s, const Irreducible& split) {
           {"groups", std::move(groups)},
           {"levels", s.levels},
           {"classes", s.classes.size()},
+          {"characteristic_length", s.system->unit(1)},
           {"left_out", to_json(s.left_out, s.formulation)},
           {"irreducible",
            {{"groups", split.groups},
@@ -169,6 +170,7 @@ void print_counts(Page& page, const Structure& s) {
   row("classes", static_cast<std::int64_t>(s.classes.size()), "of groups with the same equations");
   row("levels", s.levels, "of groups independent of each other");
   page.table(table);
+  page.fact("length", number(s.system->unit(1)) + " m, the characteristic length");
 }
 
 Table group_table(const Structure& s, const std::vector<ClassFigures>& figures) {
