@@ -13,6 +13,7 @@
 
 #include "db/checksum.hpp"
 #include "numbers.hpp"
+#include "planning/impossible.hpp"
 #include "planning/pace.hpp"
 
 namespace assur::db {
@@ -251,6 +252,11 @@ const Checked<Value>* find(const std::unordered_map<std::int64_t, Checked<Value>
   return found == table.end() ? nullptr : &found->second;
 }
 
+// Checksums do not tell whether a program stored what it had measured.
+bool is_possible(const Sample& stored) {
+  return why_impossible(stored).empty() && (std::isnan(stored.slowness) || is_possible_time(stored.slowness));
+}
+
 void take_sample(const Row& row, const Tables& tables, Samples& samples) {
   SampleRow r;
   Sample& s = r.sample;
@@ -271,7 +277,8 @@ void take_sample(const Row& row, const Tables& tables, Samples& samples) {
   const auto run = tables.runs.find(r.run);
   const bool whole = shape && strategy && library && run != tables.runs.end() &&
                      sum_of(s, kernel, shape->sum, strategy->sum, library->sum, run->second.sum) == row.int64(12);
-  if (!whole) {
+  if (whole) s.shape = shape->value;
+  if (!whole || !is_possible(s)) {
     ++samples.damaged;
     return;
   }
@@ -281,7 +288,6 @@ void take_sample(const Row& row, const Tables& tables, Samples& samples) {
     return;
   }
   s.kernel = *kind;
-  s.shape = shape->value;
   s.strategy = *strategy->value;
   samples.rows.push_back(std::move(r));
 }

@@ -56,7 +56,7 @@ struct Tables {
 // Samples, with counts of rows that are left out.
 struct Samples {
   std::vector<SampleRow> rows;
-  std::int64_t damaged = 0;  // the checksum differs, or a row that they refer to is missing
+  std::int64_t damaged = 0;  // the checksum differs, a row that they refer to is missing, or a figure is impossible
   std::int64_t unknown = 0;  // good, but this version does not know their kernel or strategy
   std::int64_t lost = 0;     // counted when they were stored, but missing
 };

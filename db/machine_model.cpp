@@ -10,6 +10,7 @@
 #include "db/checksum.hpp"
 #include "db/connection.hpp"
 #include "db/contents.hpp"
+#include "planning/impossible.hpp"
 
 namespace assur::db {
 namespace {
@@ -27,7 +28,7 @@ struct Source {
 };
 
 struct Counts {
-  std::int64_t seen = 0, stale = 0, damaged = 0, lost = 0;
+  std::int64_t seen = 0, stale = 0, damaged = 0, lost = 0, impossible = 0;
   std::vector<std::string> changes;  // "klu 1.3.9 is now 2.0.0"
 };
 
@@ -135,10 +136,12 @@ std::vector<Sample> Reading::samples_of(Source& source, std::int64_t machine) {
     if (found == holds.end()) {
       found = holds.emplace(row.library, believed(source.tables.libraries.at(row.library).value)).first;
     }
-    if (found->second) {
-      good.push_back(std::move(row.sample));
-    } else {
+    if (!found->second) {
       ++counts_.stale;
+    } else if (!why_impossible(row.sample).empty()) {
+      ++counts_.impossible;
+    } else {
+      good.push_back(std::move(row.sample));
     }
   }
   return good;
@@ -203,6 +206,10 @@ void Reading::say_counts() {
   if (counts_.damaged > 0) {
     say(number(counts_.damaged) + (counts_.damaged == 1 ? " damaged sample is" : " damaged samples are") +
         " left out; `assur db check` repairs the database");
+  }
+  if (counts_.impossible > 0) {
+    say(number(counts_.impossible) + " of " + number(counts_.seen) +
+        " samples are left out, because their times at the usual pace are not 1e-15 to 1e9 s" + kTune);
   }
   if (counts_.lost > 0) {
     say(number(counts_.lost) + " of " + number(counts_.seen + counts_.damaged + counts_.lost) +

@@ -6,11 +6,14 @@
 #include <cmath>
 #include <csignal>
 #include <cstdlib>
+#include <utility>
 
 #include "db/checksum.hpp"
 #include "db/store_impl.hpp"
 #include "db/time.hpp"
 #include "db/writer.hpp"
+#include "decimal.hpp"
+#include "planning/impossible.hpp"
 #include "planning/pace.hpp"
 
 namespace assur::db {
@@ -28,11 +31,22 @@ bool is_used_by_another(std::int64_t process) {
   return process != getpid() && (kill(static_cast<pid_t>(process), 0) == 0 || errno == EPERM);
 }
 
-void check_sample(const Sample& sample) {
+// A sample as it is stored: times by the clock, slowness in s; NaN: unknown.
+Sample by_the_clock(Sample sample, double pace) {
+  if (!std::isnan(pace)) sample = slowed(std::move(sample), sample.slowness);
+  sample.slowness *= pace;
+  return sample;
+}
+
+void check_sample(const Sample& sample, double pace) {
   const auto refuse = [](const std::string& what) { throw Error(Error::Kind::input, "a sample to store: " + what); };
-  if (!std::isfinite(sample.seconds) || sample.seconds <= 0) refuse("its time must be finite and positive");
-  if (!std::isfinite(sample.spread) || sample.spread < 0) refuse("its spread must be finite and not negative");
+  if (const std::string_view why = why_impossible(sample); !why.empty()) refuse(std::string(why));
   if (!std::isfinite(sample.slowness) || sample.slowness <= 0) refuse("its slowness must be finite and positive");
+  const Sample stored = by_the_clock(sample, pace);
+  if (const std::string_view why = why_impossible(stored); !why.empty()) refuse("by the clock, " + std::string(why));
+  if (!std::isnan(pace) && !is_possible_time(stored.slowness)) {
+    refuse("its slowness times the pace must be 1e-15 to 1e9 s, not " + general(stored.slowness, 3) + " s");
+  }
   std::uint64_t half = 0;
   const std::string_view uid = sample.uid;
   const bool is_uid =
@@ -91,7 +105,7 @@ std::optional<std::int64_t> Store::unfinished_run(const Host& host, std::string_
 }
 
 void Store::add(std::int64_t run, std::span<const Sample> samples, double pace) {
-  for (const Sample& sample : samples) check_sample(sample);
+  for (const Sample& sample : samples) check_sample(sample, pace);
   guarded(impl_->file, [&] {
     SQLite::Transaction transaction(impl_->database, SQLite::TransactionBehavior::IMMEDIATE);
     SQLite::Statement find(impl_->database,
@@ -104,9 +118,7 @@ void Store::add(std::int64_t run, std::span<const Sample> samples, double pace) 
     Writer writer(impl_->database);
     for (Sample sample : samples) {
       if (sample.uid.empty()) sample.uid = new_uid();
-      if (!std::isnan(pace)) sample = slowed(sample, sample.slowness);
-      sample.slowness *= pace;
-      writer.sample(sample, impl_->library(library_name(sample)), run, uid, machine);
+      writer.sample(by_the_clock(sample, pace), impl_->library(library_name(sample)), run, uid, machine);
     }
     transaction.commit();
   });

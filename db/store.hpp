@@ -69,7 +69,7 @@ struct Answer {
 
 struct Health {
   std::int64_t samples = 0;           // good ones
-  std::int64_t damaged = 0;           // samples whose checksum differs
+  std::int64_t damaged = 0;           // samples whose checksum differs, or with impossible figures
   std::int64_t lost = 0;              // samples that were stored, but are missing
   std::int64_t unknown = 0;           // samples of a kernel or strategy that this version does not know
   std::int64_t stale = 0;             // good ones of another version of their library
@@ -107,7 +107,8 @@ class Store {
   [[nodiscard]] std::optional<std::int64_t> unfinished_run(const Host& host, std::string_view profile);
   // Stores all samples, or none of them, in one transaction that survives the process. A sample without uid gets one; a
   // sample whose uid exists already is not changed. pace: time of the fixed work at slowness 1, s; NaN: it and the
-  // slowness are unknown. Throws Error (input) for an invalid time, spread, slowness or uid, or an unknown run.
+  // slowness are unknown. Throws Error (input) for an impossible figure (why_impossible()), an invalid slowness
+  // or uid, or an unknown run.
   void add(std::int64_t run, std::span<const Sample> samples, double pace = kNan);
   // Usual time of the fixed work on this host with this build of assur, s; empty if no sample has it.
   [[nodiscard]] std::optional<double> usual_pace(const Host& host) const;

@@ -79,8 +79,8 @@ struct Prediction {
 class PerformanceModel {
  public:
   PerformanceModel();  // without samples: all predictions are of origin `prior`
-  // A model that is fitted to samples. `source` describes their origin for people. Samples whose time is not positive
-  // and finite are ignored.
+  // A model that is fitted to samples. `source` describes their origin for people. Samples with impossible figures are
+  // ignored: a time outside 1e-15 to 1e9 s, a negative size, or a spread or error that is negative.
   explicit PerformanceModel(std::vector<Sample> samples, std::string source = {});
   PerformanceModel(const PerformanceModel&) = default;             // shares the data
   PerformanceModel& operator=(const PerformanceModel&) = default;  // shares the data

@@ -30,7 +30,9 @@ class Reading {
 
   Model read() {
     const Node& root = document_.root;
-    if (const std::string* name = root.find("model"); name != nullptr && !name->empty()) model_.name = *name;
+    if (const std::string* name = root.find("model"); name != nullptr && !name->empty()) {
+      model_.name = excerpt(*name);
+    }
     for (const Node& section : root.children) {
       if (section.tag == "compiler") read_compiler(section);
       if (section.tag == "default") check_defaults(section), defaults_.add(section);

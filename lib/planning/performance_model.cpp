@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <optional>
 #include <tuple>
@@ -10,6 +11,7 @@
 #include "assur/status.hpp"
 #include "median.hpp"
 #include "planning/curve.hpp"
+#include "planning/impossible.hpp"
 #include "planning/prior.hpp"
 
 namespace assur {
@@ -137,6 +139,8 @@ double beyond(double bytes, double cache) {
 }
 constexpr double kMostOff = 20;    // a machine is at most this many times as fast as the prior assumes
 constexpr double kFewSamples = 5;  // this many samples weigh as much as the prior in the speed of a machine
+constexpr double kMostNoise = 1;   // the median of deviations from the median of positive numbers is not above it
+constexpr double kMostError = std::numeric_limits<float>::max();
 constexpr double kSmallCache = 1 << 20, kLargeCache = 1 << 24;  // bytes; nearby samples correct for the own caches
 
 FitPoint point_of(Kernel kernel, const Shape& shape, const Strategy& strategy) {
@@ -284,7 +288,7 @@ struct PerformanceModel::Impl {
     const std::vector<Cell> cells = cells_of(samples);
     for (std::size_t i = 0; i < samples.size(); ++i) {
       const Sample& s = samples[i];
-      if (!(s.seconds > 0) || !std::isfinite(s.seconds)) continue;
+      if (!why_impossible(s).empty()) continue;
       const Cell& cell = cells[i];
       if (s.kernel == Kernel::meeting) {
         const double together = std::max(s.seconds - kAloneBeforeMeeting, 0.0);
@@ -306,8 +310,8 @@ struct PerformanceModel::Impl {
       for (; end != all.end() && end->first == begin->first; ++end) {
         const Sample& s = *end->second;
         seconds.push_back(s.seconds);
-        noise.push_back(s.spread / s.seconds);
-        if (s.backward_error > error) error = s.backward_error;
+        noise.push_back(std::min(s.spread / s.seconds, kMostNoise));
+        if (s.backward_error > error) error = std::min(s.backward_error, kMostError);
       }
       const bool once = seconds.size() == 1;
       gathered.push_back(

@@ -14,7 +14,21 @@ bool is_digit(char c) { return c >= '0' && c <= '9'; }
 char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
 bool is_control(char c) { return static_cast<unsigned char>(c) < ' ' || c == '\x7f'; }
-bool is_continued(char c) { return (static_cast<unsigned char>(c) & 0xc0) == 0x80; }  // within a character of UTF-8
+
+// Bytes of the character of UTF-8 (RFC 3629) at the front of a text that is not empty; 0: there is none.
+std::size_t size_of_character(std::string_view text) {
+  const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0; };
+  const int first = byte(0), second = byte(1);
+  if (first < 0x80) return 1;
+  const std::size_t size = first < 0xc2 ? 0 : first < 0xe0 ? 2 : first < 0xf0 ? 3 : first < 0xf5 ? 4 : 0;
+  for (std::size_t i = 1; i < size; ++i) {
+    if ((byte(i) & 0xc0) != 0x80) return 0;
+  }
+  // Not in more bytes than needed, no halves of UTF-16, and nothing behind U+10FFFF.
+  const bool is_wrong = (first == 0xe0 && second < 0xa0) || (first == 0xed && second >= 0xa0) ||
+                        (first == 0xf0 && second < 0x90) || (first == 0xf4 && second >= 0x90);
+  return is_wrong ? 0 : size;
+}
 
 std::string escaped(char c) {
   if (c == '\n') return "\\n";
@@ -107,20 +121,24 @@ std::string suggestion(std::string_view word, const std::vector<std::string_view
 }
 
 std::string excerpt(std::string_view text) {
-  constexpr std::size_t kLongest = 120, kShown = 100;
-  std::size_t end = text.size() > kLongest ? kShown : text.size();
-  // No character, of at most four bytes, is cut in two.
-  while (end < text.size() && end > kShown - 3 && is_continued(text[end])) --end;
+  // kShown bytes with any length of the text behind them are at most kLongest, so that an excerpt of an excerpt is the
+  // same.
+  constexpr std::size_t kLongest = 140, kShown = 100;
   std::string shown;
-  for (std::size_t i = 0; i < end; ++i) {
-    const bool of_two = text[i] == '\xc2' && i + 1 < end;  // U+0080 to U+009F are control characters as well
-    if (is_control(text[i]) || (of_two && is_continued(text[i + 1]) && text[i + 1] < '\xa0')) {
-      shown += escaped(of_two ? text[++i] : text[i]);
+  std::size_t whole = 0;  // size of `shown` up to the last character that ends within kShown
+  for (std::size_t i = 0; i < text.size() && shown.size() <= kLongest;) {
+    const std::size_t size = size_of_character(text.substr(i));
+    const bool of_two = size == 2 && text[i] == '\xc2' && text[i + 1] < '\xa0';  // U+0080 to U+009F are controls, too
+    if (size == 0 || of_two || is_control(text[i])) {
+      shown += escaped(text[of_two ? i + 1 : i]);
     } else {
-      shown += text[i];
+      shown += text.substr(i, size);
     }
+    i += std::max<std::size_t>(size, 1);
+    if (shown.size() <= kShown) whole = shown.size();
   }
-  return end == text.size() ? shown : shown + "... (" + std::to_string(text.size()) + " characters)";
+  if (shown.size() <= kLongest) return shown;
+  return shown.substr(0, whole) + "... (" + std::to_string(text.size()) + " characters)";
 }
 
 std::string known_instead(std::string_view word, const std::vector<std::string_view>& candidates) {

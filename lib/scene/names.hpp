@@ -38,8 +38,9 @@ class Where {
 // "; did you mean 'B'?", or "" if nothing is near.
 [[nodiscard]] std::string suggestion(std::string_view word, const std::vector<std::string_view>& candidates);
 
-// A text for use in a message; it may be untrusted. If it has more than 120 bytes: its first 100 and its length.
-// Control characters become \n or \x1b.
+// A text for use in a message; it may be untrusted. Control characters and bytes that are not UTF-8 become \n or \x1b.
+// If more than 140 bytes result: the first 100 of them, and the length of the text. An excerpt of an excerpt is the
+// same.
 [[nodiscard]] std::string excerpt(std::string_view text);
 
 // The end of a message about an unknown name: "; did you mean 'B'? There are: A, B" or "; there are: A, B". A long list

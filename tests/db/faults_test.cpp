@@ -4,12 +4,18 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <csignal>
+#include <cstdint>
+#include <functional>
+#include <limits>
 #include <random>
 
 #include "db/connection.hpp"
+#include "db/contents.hpp"
 #include "db/machine_model.hpp"
 #include "db/samples.hpp"
+#include "db/writer.hpp"
 #include "parallel/file_tree.hpp"
 #include "parallel/in_a_child.hpp"
 #include "source_dir.hpp"
@@ -433,6 +439,77 @@ TEST(Faults, SkipsSamplesWithDamagedReferences) {
     EXPECT_EQ(health.damaged, damaged) << sql;
     EXPECT_EQ(health.samples, 10 - damaged) << sql;
   }
+}
+
+// Puts a sample into a database as it is, with a checksum that fits. slowness: time of the fixed work, s; NaN: unknown.
+void put_unchecked(const fs::path& file, const Sample& sample) {
+  SQLite::Database database(file.string(), SQLite::OPEN_READWRITE);
+  const db::Tables tables = db::read_tables(database);
+  const auto& [id, run] = *tables.runs.begin();
+  db::Writer(database).sample(sample, tables.libraries.begin()->second.value, id, run.value.run.uid,
+                              run.value.run.machine);
+}
+
+// A checksum tells nothing if another program computed it, or one with a fault.
+TEST(Faults, SkipsImpossibleSamplesOfAnyChecksum) {
+  FileTree tree;
+  const auto file = tree.root() / "tuning.db", copy = tree.root() / "copy.db";
+  make_database(file, host_with(4), 20);
+  const std::vector<std::function<void(Sample&)>> changes = {
+      [](Sample& s) { s.seconds = 0; },
+      [](Sample& s) { s.seconds = -1e-6; },
+      [](Sample& s) { s.seconds = HUGE_VAL; },
+      [](Sample& s) { s.seconds = 9e-316; },
+      [](Sample& s) { s.seconds = 1e300; },
+      [](Sample& s) { s.spread = -1e-9; },
+      [](Sample& s) { s.spread = HUGE_VAL; },
+      [](Sample& s) { s.slowness = 0; },
+      [](Sample& s) { s.slowness = -1; },
+      [](Sample& s) { s.slowness = HUGE_VAL; },
+      [](Sample& s) { s.slowness = 9.4e-315; },
+      [](Sample& s) { s.repetitions = -1; },
+      [](Sample& s) { s.backward_error = -1e-16; },
+      [](Sample& s) { s.forward_error = -HUGE_VAL; },
+      [](Sample& s) { s.shape.n = -3; },
+      [](Sample& s) { s.shape.groups = -1; },
+      [](Sample& s) { s.shape.fill = std::numeric_limits<std::int64_t>::max(); },
+      [](Sample& s) { s.shape.terms = std::numeric_limits<std::int64_t>::min(); },
+  };
+  for (std::size_t i = 0; i < changes.size(); ++i) {
+    SCOPED_TRACE(i);
+    fs::copy_file(file, copy, fs::copy_options::overwrite_existing);
+    Sample bad = sample_of(30);
+    bad.slowness = 1e-6;
+    changes[i](bad);
+    put_unchecked(copy, bad);
+    EXPECT_EQ(Store(copy, Access::read).health().damaged, 1);
+    const MachineModel model = model_of(copy);
+    EXPECT_EQ(model.model->samples(), 20u);
+    ASSERT_EQ(model.messages.size(), 1u);
+    EXPECT_EQ(model.messages[0], "1 damaged sample is left out; `assur db check` repairs the database");
+    EXPECT_EQ(Store(copy, Access::write).health().damaged, 0);
+    EXPECT_EQ(model_of(copy).messages, std::vector<std::string>{});
+    for (const fs::path& aside : files_put_aside(copy)) fs::remove(aside);
+  }
+}
+
+// Each figure is possible, but the time and the slowness do not belong to each other.
+TEST(Faults, SkipsTimesThatAreImpossibleAtTheUsualPace) {
+  FileTree tree;
+  const auto file = tree.root() / "tuning.db";
+  make_database(file, host_with(4), 20);
+  for (int i = 30; i < 34; ++i) {
+    Sample sample = sample_of(i);
+    sample.slowness = i == 33 ? 1e8 : 1e-6;
+    sample.seconds = i == 33 ? 1e-6 : sample.seconds;
+    put_unchecked(file, sample);
+  }
+  const MachineModel model = model_of(file);
+  EXPECT_EQ(model.model->samples(), 23u);
+  ASSERT_EQ(model.messages.size(), 1u);
+  EXPECT_EQ(model.messages[0],
+            "1 of 24 samples are left out, because their times at the usual pace are not 1e-15 to 1e9 s; run `assur "
+            "tune`");
 }
 
 // Random faults cause no crash and no wrong row, and no good row is lost that could be read before.

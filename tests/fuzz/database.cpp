@@ -188,9 +188,11 @@ void ask(const Store& store) {
   (void)store.health();
 }
 
-// Predictions are finite times, whatever samples were accepted.
+// Predictions are finite times with finite factors, whatever samples were accepted.
 void predict(const PerformanceModel& model) {
-  const auto is_time = [](const Prediction& p) { return p.seconds >= 0 && std::isfinite(p.seconds) && p.factor >= 1; };
+  const auto is_time = [](const Prediction& p) {
+    return p.seconds >= 0 && std::isfinite(p.seconds) && p.factor >= 1 && std::isfinite(p.factor);
+  };
   for (const std::int32_t n : {1, 6, 200}) {
     const Shape shape{.n = n, .nnz = 3 * n, .groups = 1, .fill = 5 * n, .operations = 9 * n, .depth = 2 * n};
     for (const char* text : {"groups/eigen", "irreducible/lanes:8"}) {

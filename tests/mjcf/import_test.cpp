@@ -333,6 +333,27 @@ TEST_F(Importing, InvalidNamesAreChangedAndNoted) {
   EXPECT_EQ(model.scene.bodies().size(), 4u);
 }
 
+// The name is a text of the model: it may be no UTF-8, or very long. It is the same in the scene, in its file, and in
+// the scene that is read from this file.
+TEST_F(Importing, AnyNameOfTheModelIsKeptByFilesOfScenes) {
+  const std::string arm = "<worldbody><body><joint/></body></worldbody>";
+  const auto named = [&](const std::string& name) {
+    return import_model(folder_.write("model.xml", "<mujoco model='" + name + "'>" + arm + "</mujoco>"));
+  };
+  EXPECT_EQ(named("arm \xe2\x82\xac").name, "arm \xe2\x82\xac");
+  EXPECT_EQ(named("arm \xe2\x82").name, "arm \\xe2\\x82");
+  for (const std::string& name : {std::string("arm \xe2\x82\xac"), std::string("arm \xe2\x82"), std::string(90, '\xe2'),
+                                  std::string(90, '\x1b'), std::string(1000, 'x'), std::string("arm&#10;leg")}) {
+    SCOPED_TRACE(name);
+    const ImportedModel model = named(name);
+    EXPECT_EQ(model.scene.name(), model.name);
+    const std::string text = write_scene(model.scene);
+    const Scene again = parse_scene(text);
+    EXPECT_EQ(again.name(), model.name);
+    EXPECT_EQ(write_scene(again), text);
+  }
+}
+
 TEST_F(Importing, IgnoredElementsAreCounted) {
   const ImportedModel model = import(
       "<option timestep='0.001'/><asset><mesh name='m'/><mesh name='n'/></asset><visual/>"

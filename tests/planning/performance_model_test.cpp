@@ -3,6 +3,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <random>
+#include <string>
+#include <vector>
 
 #include "assur/performance.hpp"
 #include "assur/plan.hpp"
@@ -195,16 +201,86 @@ TEST(PerformanceModel, HasAPriorForEverythingWithoutSamples) {
   EXPECT_EQ(nothing.contention(2, 15), 1);
 }
 
-TEST(PerformanceModel, IgnoresInvalidSamples) {
+TEST(PerformanceModel, IgnoresImpossibleSamples) {
   std::vector<Sample> known = samples();
   const std::size_t good = known.size();
-  for (const double seconds : {0.0, -1.0, std::nan(""), HUGE_VAL}) {
-    known.push_back(known[0]);
-    known.back().seconds = seconds;
+  const auto add = [&](const auto& change) {
+    for (const Sample& of : {known[0], known[good - 1]}) {
+      known.push_back(of);
+      change(known.back());
+    }
+  };
+  for (const double seconds : {0.0, -1.0, std::nan(""), HUGE_VAL, 5e-324, 9e-316, 9e-16, 1.1e9, 1e301, 1.7e308}) {
+    add([&](Sample& s) { s.seconds = seconds; });
+  }
+  for (const double spread : {-1e-9, std::nan(""), HUGE_VAL, -HUGE_VAL, 1.7e308}) {
+    add([&](Sample& s) { s.spread = spread; });
+  }
+  for (const double error : {-1e-16, -HUGE_VAL}) {
+    add([&](Sample& s) { s.backward_error = error; });
+    add([&](Sample& s) { s.forward_error = error; });
+  }
+  add([](Sample& s) { s.repetitions = -1; });
+  for (std::int32_t Shape::*size : {&Shape::n, &Shape::nnz, &Shape::groups, &Shape::rhs}) {
+    add([&](Sample& s) { s.shape.*size = -1; });
+    add([&](Sample& s) { s.shape.*size = std::numeric_limits<std::int32_t>::min(); });
+  }
+  for (std::int64_t Shape::*size : {&Shape::fill, &Shape::operations, &Shape::depth, &Shape::terms}) {
+    add([&](Sample& s) { s.shape.*size = -1; });
+    add([&](Sample& s) { s.shape.*size = std::numeric_limits<std::int64_t>::max(); });
   }
   const PerformanceModel with(known), without({known.begin(), known.begin() + static_cast<std::ptrdiff_t>(good)});
   for (const Shape& shape : unseen()) {
-    EXPECT_EQ(with.pack(shape, solver("klu")).seconds, without.pack(shape, solver("klu")).seconds);
+    for (const Strategy& s : {known[0].strategy, known[good - 1].strategy, solver("klu")}) {
+      for (const Kernel kernel : {Kernel::evaluate, Kernel::factor, Kernel::solve, Kernel::pack}) {
+        const Prediction one = with.kernel(kernel, shape, s), other = without.kernel(kernel, shape, s);
+        EXPECT_EQ(one.seconds, other.seconds) << name(kernel) << " " << to_string(s);
+        EXPECT_EQ(one.factor, other.factor) << name(kernel) << " " << to_string(s);
+      }
+    }
+  }
+}
+
+// The extremes of what is possible, in few samples.
+TEST(PerformanceModel, PredictsFiniteTimesFromAnySamples) {
+  std::mt19937_64 random(11);
+  const auto any_of = [&](const auto& choices) { return choices[random() % std::size(choices)]; };
+  constexpr std::array kTimes = {1e-15, 1e-12, 1e-6, 1.0, 1e9};
+  constexpr std::array kSpreads = {0.0, 1e-15, 1e-6, 1e9};
+  constexpr std::array kErrors = {0.0, 1e-16, 1e300, HUGE_VAL, std::numeric_limits<double>::quiet_NaN()};
+  constexpr std::array<std::int32_t, 6> kSizes = {0, 1, 3, 6, 1000, std::numeric_limits<std::int32_t>::max()};
+  constexpr std::array<std::int64_t, 5> kCounts = {0, 1, 30, 100'000, 1'000'000'000'000'000};
+  const std::array strategies = {solver("lanes", 8), solver("eigen"), solver("klu"), solver("lapack", 2)};
+  const auto expect_time = [](const Prediction& p, const std::string& what) {
+    EXPECT_TRUE(p.seconds >= 0 && std::isfinite(p.seconds)) << what << ": " << p.seconds;
+    EXPECT_TRUE(p.factor >= 1 && std::isfinite(p.factor)) << what << ", factor: " << p.factor;
+  };
+  for (int trial = 0; trial < 2000 && !testing::Test::HasFailure(); ++trial) {
+    std::vector<Sample> known;
+    for (std::size_t i = 0; i < 1 + static_cast<std::size_t>(trial) % 12; ++i) {
+      Sample s;
+      s.kernel = static_cast<Kernel>(random() % 7);
+      s.shape = {any_of(kSizes),  any_of(kSizes),  any_of(kSizes),  any_of(kSizes), any_of(kCounts),
+                 any_of(kCounts), any_of(kCounts), any_of(kCounts), random() % 3};
+      s.strategy = any_of(strategies);
+      s.strategy.run.threads = 1 + static_cast<std::int32_t>(random() % 2);
+      s.seconds = any_of(kTimes);
+      s.spread = any_of(kSpreads);
+      s.backward_error = any_of(kErrors);
+      known.push_back(std::move(s));
+    }
+    const PerformanceModel model(known);
+    for (const Shape& shape : {sparse_shape(1), sparse_shape(3), sparse_shape(200), known[0].shape}) {
+      for (const Strategy& strategy : strategies) {
+        for (const Kernel kernel : {Kernel::evaluate, Kernel::factor, Kernel::solve, Kernel::pack, Kernel::step}) {
+          expect_time(model.kernel(kernel, shape, strategy), std::string(name(kernel)));
+        }
+        EXPECT_GE(model.backward_error(shape, strategy), 0);
+      }
+      expect_time(model.around(shape.n, shape.terms), "around");
+    }
+    expect_time(model.meeting(2, 100), "meeting");
+    EXPECT_GE(model.contention(2, 6), 1);
   }
 }
 

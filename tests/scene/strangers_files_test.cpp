@@ -133,8 +133,8 @@ TEST_F(StrangersFiles, TheCallerMayAllowMoreFolders) {
 }
 
 TEST_F(StrangersFiles, ShortensQuotationsWithoutControlCharacters) {
-  EXPECT_EQ(excerpt(std::string(120, 'x')), std::string(120, 'x'));
-  EXPECT_EQ(excerpt(std::string(121, 'x')), std::string(100, 'x') + "... (121 characters)");
+  EXPECT_EQ(excerpt(std::string(140, 'x')), std::string(140, 'x'));
+  EXPECT_EQ(excerpt(std::string(141, 'x')), std::string(100, 'x') + "... (141 characters)");
   EXPECT_EQ(excerpt("a\nb\tc\x1b[2J\x7f"
                     "d"),
             "a\\nb\\tc\\x1b[2J\\x7f"
@@ -149,8 +149,28 @@ TEST_F(StrangersFiles, ShortensQuotationsWithoutControlCharacters) {
     return text;
   }();
   EXPECT_EQ(excerpt(accents), accents.substr(0, 99) + "... (201 characters)");  // byte 100 is within a character
-  const std::string no_utf8(200, '\xa5');
-  EXPECT_EQ(excerpt(no_utf8), no_utf8.substr(0, 97) + "... (200 characters)");
+  std::string escapes;
+  while (escapes.size() < 100) escapes += "\\xa5";
+  EXPECT_EQ(excerpt(std::string(200, '\xa5')), escapes + "... (200 characters)");
+}
+
+// An excerpt is UTF-8 whatever the text is, and its own excerpt: names of scenes are read and written as excerpts.
+TEST_F(StrangersFiles, AnExcerptIsItsOwnExcerpt) {
+  const std::string euro = "\xe2\x82\xac", clef = "\xf0\x9d\x84\x9e";  // of three and of four bytes
+  EXPECT_EQ(excerpt(euro + clef), euro + clef);
+  EXPECT_EQ(excerpt(euro.substr(0, 2) + clef.substr(0, 3)), "\\xe2\\x82\\xf0\\x9d\\x84");
+  EXPECT_EQ(excerpt("\xc0\xaf \xe0\x80\xaf \xed\xa0\x80 \xf4\x90\x80\x80"),
+            "\\xc0\\xaf \\xe0\\x80\\xaf \\xed\\xa0\\x80 \\xf4\\x90\\x80\\x80");  // too long, a half, too large
+  for (const std::string& unit : {std::string("x"), std::string("\n"), std::string("\x1b"), std::string("\xe2"), euro,
+                                  clef, std::string("x\xe2\x82"), std::string("\xc2\x9b")}) {
+    for (const int count : {1, 30, 47, 100, 120, 121, 140, 141, 1000, 100'000}) {
+      std::string text;
+      for (int i = 0; i < count; ++i) text += unit;
+      const std::string once = excerpt(text);
+      EXPECT_LE(once.size(), 140u);
+      EXPECT_EQ(excerpt(once), once);
+    }
+  }
 }
 
 TEST_F(StrangersFiles, MessagesDoNotGrowWithTheInput) {

@@ -70,6 +70,21 @@ TEST(WriteScene, RandomMechanismsReadBackTheSame) {
   }
 }
 
+// The name of a scene is any text, of a file or of a program.
+TEST(WriteScene, EveryNameIsWrittenTheSameAgain) {
+  for (const std::string& name :
+       {std::string("four\nbar"), std::string("four \"bars\" \\n"), std::string(47, '\n'), std::string(1000, '\n'),
+        std::string(141, 'x'), std::string(100'000, 'x'), std::string(50, '\xe2'), std::string("half \xe2\x82")}) {
+    SCOPED_TRACE(name);
+    SceneBuilder builder(name, 2);
+    builder.add(Point{"A", {}, true});
+    const std::string text = write_scene(builder.build());
+    const Scene again = parse_scene(text);
+    EXPECT_EQ(write_scene(again), text);
+    EXPECT_EQ(parse_scene(write_scene(again)).name(), again.name());
+  }
+}
+
 // Points at random doubles, also the smallest and the largest ones.
 TEST(WriteScene, EveryNumberReadsBackTheSame) {
   std::mt19937_64 random(5);
