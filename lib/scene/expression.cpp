@@ -14,6 +14,8 @@
 namespace assur {
 namespace {
 
+constexpr std::size_t kLongestParameter = 100;  // muParser takes no longer name
+
 void prepare(mu::Parser& parser) {
   parser.ClearConst();  // muParser defines _pi and _e
   parser.DefineConst("pi", std::numbers::pi);
@@ -185,7 +187,9 @@ std::vector<Expressions::Finding> Expressions::define(const std::vector<Paramete
     const std::size_t i = ready.back();
     ready.pop_back();
     done[i] = true;
-    if (const auto* text = std::get_if<std::string>(&parameters[i].value)) {
+    if (parameters[i].name.size() > kLongestParameter) {
+      find_wrong(i, in_quotes(parameters[i].name) + " is too long for a parameter: 100 characters at most");
+    } else if (const auto* text = std::get_if<std::string>(&parameters[i].value)) {
       const Result result = parsers_->evaluate(*text);
       if (result.ok()) {
         parsers_->set(parameters[i].name, result.value);

@@ -74,6 +74,20 @@ TEST(Expression, RefusesReservedNames) {
   EXPECT_EQ(expressions.evaluate("pi").value, std::numbers::pi);
 }
 
+TEST(Expression, RefusesNamesThatAreTooLong) {
+  const std::string longest(100, 'n'), longer(101, 'n'), far(255, 'm');
+  Expressions expressions;
+  EXPECT_EQ(text(expressions.define({{"a", "2*" + longest}, {longest, 0.5}, {longer, 1.0}, {far, "1 + 1"}})),
+            far + ": '" + far.substr(0, 100) +
+                "... (255 characters)' is too long for a parameter: 100 characters at most\n" + longer + ": '" +
+                longer + "' is too long for a parameter: 100 characters at most\n");
+  EXPECT_EQ(expressions.evaluate("a").value, 1);
+  Expressions used;
+  EXPECT_EQ(text(used.define({{longer, 1.0}, {"b", longer + " + 1"}, {"c", "b"}})),
+            longer + ": '" + longer + "' is too long for a parameter: 100 characters at most\n");
+  EXPECT_TRUE(used.evaluate("c").follows);
+}
+
 TEST(Expression, RefusesInvalidText) {
   Expressions expressions;
   EXPECT_EQ(text(expressions.define({{"crank", 0.8}})), "");
