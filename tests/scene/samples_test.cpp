@@ -303,7 +303,7 @@ Eigen::Matrix<double, 15, 15> leg_jacobian(const Equations<double>& at, const st
 }
 
 double condition(const Eigen::MatrixXd& J) {
-  const Eigen::VectorXd sigma = Eigen::BDCSVD<Eigen::MatrixXd>(J).singularValues();
+  const Eigen::VectorXd sigma = Eigen::JacobiSVD<Eigen::MatrixXd>(J).singularValues();
   return sigma[0] / sigma[sigma.size() - 1];
 }
 

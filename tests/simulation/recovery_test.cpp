@@ -122,7 +122,9 @@ TEST(Recovery, FailedCommandsLeaveNoTrace) {
       std::vector<Lever> at = levers(scene);
       const double size = std::pow(10, draw.real(-3, -0.5));
       std::vector<double> heading(at.size());
-      for (int k = 0; k < 40; ++k, ++done) {
+      // Gough's machine has one group of many unknowns, whose failed steps take a second each.
+      const int commands = scene.name() == "gough" ? 8 : 40;
+      for (int k = 0; k < commands; ++k, ++done) {
         if (k % 10 == 0) {
           for (double& h : heading) h = draw.maybe() ? draw.real(-size, size) : 0;
         }
