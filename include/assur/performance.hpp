@@ -75,7 +75,8 @@ struct Prediction {
 };
 
 // Predicts times on one machine. A model is immutable; any number of threads may use it, and copies share its data. The
-// order of the samples does not matter: the same samples make the same model, bit for bit.
+// order of the samples does not matter: the same samples make the same model, bit for bit. Needs the library
+// assur::assur.
 class PerformanceModel {
  public:
   PerformanceModel();  // without samples: all predictions are of origin `prior`

@@ -54,7 +54,8 @@ enum class Mode : std::uint8_t {
 // Options of prepare().
 struct PrepareOptions {
   std::string strategy = "auto";  // "auto", or a strategy text that is used for all classes
-  // Names of drivers that the program sets with Simulator::set(). They follow their laws until the first set().
+  // Names of drivers that the program sets with Simulator::set(); "pose", not "pose.x". Each driver, or each value of a
+  // pose, follows its law until its own first set().
   std::vector<std::string> controlled = {};
   // Largest number of threads; it may exceed the number of cores. Empty: this_machine().budget(). Asking the machine
   // takes time: give a budget if you prepare many scenes.
@@ -114,12 +115,14 @@ struct CandidateOptions {
 // All candidates for shape.groups groups of one class, solved at the same time: the fastest first, and those that
 // cannot run last. If shape.terms is 0, the groups are bare matrices: each one is factorised once and solved with
 // shape.rhs right-hand sides. `auto` takes the first candidate; among candidates within 2 % of the fastest, the one
-// with the fewest threads comes first. Throws Error (input) if `without` names an unknown backend.
+// with the fewest threads comes first. Throws Error (input) if `without` names an unknown backend. Needs the library
+// assur::assur.
 [[nodiscard]] std::vector<Candidate> candidates(const Shape& shape, const CandidateOptions& options = {});
 
 // Chooses a solver for systems of your own: `count` matrices with one pattern, each factorised once and solved with
 // `rhs` right-hand sides. Returns the first of candidates(): use its backend, W, precision and threads. Throws Error:
-// input for fewer than one matrix or a negative number of right-hand sides, environment if no backend can run.
+// input for fewer than one matrix or a negative number of right-hand sides, environment if no backend can run. Needs
+// the library assur::assur.
 [[nodiscard]] Candidate choose_solver(const Pattern& pattern, std::int32_t count, std::int32_t rhs = 1,
                                       const CandidateOptions& options = {});
 

@@ -92,7 +92,9 @@ struct Event {
   // Size: as Status::figure; for a redundant equation |Phi| / |grad Phi|; for a limit the bound, in SI units.
   double figure = 0;
   std::string detail = {};  // the wrong number and the expected one, or further explanation; "": none
-  std::string unit = {};    // unit of the figure: "m", "rad", "1", or "" if it is a ratio
+  // Unit of the figure. Limit: "m", "rad", "m^2", or "1" for a number. Redundant equation: "m" if the violation is a
+  // length. Else "": the table of statuses in docs/accuracy.md has the meaning.
+  std::string unit = {};
 };
 
 // Report of a run, or of single steps: then `status` is that of the last step if it failed, else that of the first

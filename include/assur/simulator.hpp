@@ -60,14 +60,17 @@ struct StepLimits {
   // they were enough. 0: as many as convergence needs.
   int iterations = 0;
   int most_iterations = 12;  // a step is halved if a group needs more; at least 1; for groups whose number is not fixed
-  double seconds = 0;        // s, time limit of one try of a step, checked before each pack: Code::deadline; 0: none
+  // s, time limit of one try of a step: Code::deadline; 0: none. Checked before each pack; with +together only once,
+  // before all groups.
+  double seconds = 0;
   // Processors to pin threads to (Machine::cores), one for each of the P threads (RunSettings::threads); without effect
   // if P = 1. The calling thread is pinned during a call only. Pinned threads busy-wait within a step, so use dedicated
   // cores; between steps they sleep. Empty: the system places the threads. The constructor throws Error: input for
   // fewer processors than threads, environment for a processor that cannot be used.
   std::vector<int> pin_to = {};
-  // Called between the parts of a divided step (millions for a very fast law). If it returns true, the call ends with
-  // Code::interrupted. Empty: not called.
+  // Called between the parts of a divided step (millions for a very fast law), on the thread that does the step. In an
+  // Ensemble, or with chunks, several threads may call copies of it at once, and each call ends its own member only. If
+  // it returns true, the call ends with Code::interrupted. Empty: not called.
   std::function<bool()> stop = {};
 };
 
@@ -130,27 +133,29 @@ class Simulator {
   // is divided where needed. If it fails, the status gives the reason, and the simulator keeps the last good posture on
   // the way, at time(); targets are dropped, and controlled drivers rest there. Code::inaccurate is not a failure: time
   // t is reached, and an event gives the estimated error. If t is time(), nothing happens and targets wait; if t is not
-  // finite, the step fails as not_finite. Exceptions from laws and callbacks propagate, and leave the last good posture
-  // as well.
+  // finite, the step fails as not_finite, nothing moves, and targets wait. Exceptions from laws and callbacks propagate,
+  // and leave the last good posture as well.
   Status step(double t);
 
   // Sets the target of a controlled driver for the next step: value, rate and acceleration in SI units, absolute even
-  // if the laws are relative. `driver` names a driver of an angle, distance or coordinate, or one value of a pose:
-  // "pose.x", "pose.y", "pose.z", "pose.psi", "pose.theta", "pose.phi" in space, "pose.x", "pose.y", "pose.angle" in
-  // the plane, where "pose" is the name of the driver. Values of a pose that are not set follow their laws. On the way
-  // the driver follows the polynomial of degree 5 through value, rate and acceleration at both ends. A later step
-  // without a target ends at rest, at the value that the driver has at its begin. Throws Error (input) if this is not a
-  // controlled driver. A number that is not finite lets the next step fail as not_finite, with an event that names the
-  // driver; all targets of that step are then dropped.
+  // if the laws are relative. The coordinate of a joint counts from the posture as written. Angles are not wrapped: a
+  // driver at 62.8 rad whose target is 0 turns back ten times. `driver` names a driver of an angle, distance or
+  // coordinate, or one value of a pose, whose rotation is Rz(psi) Ry(theta) Rx(phi): "pose.x", "pose.y", "pose.z",
+  // "pose.psi", "pose.theta", "pose.phi" in space, "pose.x", "pose.y", "pose.angle" in the plane, where "pose" is the
+  // name of the driver. Values of a pose that are not set follow their laws. On the way the driver follows the
+  // polynomial of degree 5 through value, rate and acceleration at both ends. A later step without a target ends at
+  // rest, at the value that the driver has at its begin. Throws Error (input) if this is not a controlled driver. A
+  // number that is not finite lets the next step fail as not_finite, with an event that names the driver; all targets
+  // of that step are then dropped.
   void set(std::string_view driver, double value, double rate = 0, double acceleration = 0);
 
   // Moves from time() by TimeGrid::step to the targets that were set, also beyond the end of the grid; other drivers
   // follow their laws. Without a time grid it does nothing. A step that fails restores the state before it (as save()
   // holds it, with time and rates) and drops its targets; status and events give the reason, and how far the mechanism
   // could move. Near a limit a driver may overshoot: if a step fails while controlled drivers move, it is tried again,
-  // unless the deadline has passed: all controlled drivers stop at once at the begin of the step, and move from rest to
-  // the same targets. The second try has a deadline of its own. If it succeeds, the status is that of the second try,
-  // and only Counters::rejected shows the first one.
+  // unless it ended as deadline or interrupted: all controlled drivers stop at once at the begin of the step, and move
+  // from rest to the same targets. The second try has a deadline of its own. If it succeeds, the status is that of the
+  // second try, and only Counters::rejected shows the first one.
   Status step();
 
   // Saves the state. The same steps from it then follow bit by bit, in this simulator or in another one of the same
@@ -227,16 +232,16 @@ struct ForwardError {
 // larger (docs/accuracy.md; for lengths the characteristic length). It is infinite if x is not finite, except for
 // derivatives that do not exist: of a distance at 0, and of an unsigned angle at 0 or pi. Throws Error: input for a
 // loaded plan, a trajectory with other columns or without rows; environment if this build has no quadruple precision;
-// numerical if the reference does not converge.
+// numerical if the reference does not converge. Needs the library assur::assur.
 [[nodiscard]] ForwardError forward_error(const Prepared& prepared, const Trajectory& trajectory);
 
 // Proves the current posture of a simulator, see Certificate. Throws Error: input if load_plan() made the plan,
-// environment if this build has no quadruple precision.
+// environment if this build has no quadruple precision. Needs the library assur::assur.
 [[nodiscard]] Certificate certify(const Simulator& simulator);
 
 // Proves each row of a trajectory; returns one certificate for each row. Repeats the steps one after the other. A row
 // that is not reproduced bit by bit gets no proof: it was computed in chunks, with other limits, or with drivers that
-// the program set. Throws Error as the function above and as Simulator.
+// the program set. Throws Error as the function above and as Simulator. Needs the library assur::assur.
 [[nodiscard]] std::vector<Certificate> certify(const Prepared& prepared, const Trajectory& trajectory,
                                                StepLimits limits = {});
 
