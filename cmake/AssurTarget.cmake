@@ -31,6 +31,8 @@ function(assur_target target)
     target_compile_options(${target} PRIVATE
       -fsanitize=${ASSUR_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
     target_link_options(${target} PUBLIC -fsanitize=${ASSUR_SANITIZE})
+    # Files with and without the address sanitizer must agree on how Eigen allocates memory.
+    target_compile_definitions(${target} PRIVATE EIGEN_MALLOC_ALREADY_ALIGNED=1)
   endif()
 endfunction()
 
