@@ -133,8 +133,8 @@ class Simulator {
   // is divided where needed. If it fails, the status gives the reason, and the simulator keeps the last good posture on
   // the way, at time(); targets are dropped, and controlled drivers rest there. Code::inaccurate is not a failure: time
   // t is reached, and an event gives the estimated error. If t is time(), nothing happens and targets wait; if t is not
-  // finite, the step fails as not_finite, nothing moves, and targets wait. Exceptions from laws and callbacks propagate,
-  // and leave the last good posture as well.
+  // finite, the step fails as not_finite, nothing moves, and targets wait. Exceptions from laws and callbacks
+  // propagate, and leave the last good posture as well.
   Status step(double t);
 
   // Sets the target of a controlled driver for the next step: value, rate and acceleration in SI units, absolute even
