@@ -652,8 +652,8 @@ double PerformanceModel::backward_error(const Shape& shape, const Strategy& stra
   const Cell first{Kernel::solve, wanted, 0};
   for (auto k = std::lower_bound(known.begin(), known.end(), first); k != known.end(); ++k) {
     if (k->cell.kernel != first.kernel || k->cell.variant != wanted) break;
-    const std::int32_t n = impl_->shape_at(k->cell).n;
-    if (n <= 2 * shape.n && 2 * n >= shape.n) worst = std::max<double>(worst, k->backward_error);
+    const double n = impl_->shape_at(k->cell).n;
+    if (n <= 2.0 * shape.n && 2.0 * n >= shape.n) worst = std::max<double>(worst, k->backward_error);
   }
   return worst;
 }

@@ -59,7 +59,8 @@ TEST(Trajectory, TouchesItsMemoryBeforeTheRun) {
   });
   ASSERT_EQ(motion.rows(), 1001u);
   ASSERT_GT(motion.columns().size() * motion.rows() * sizeof(double), 800u * 4096u);
-  EXPECT_LT(at[1001] - at[1], 100);  // first accesses to other memory; there are 845 if most steps access a fresh page
+  // First accesses to other memory (with the address sanitizer 107); there are 845 if most steps access a fresh page.
+  EXPECT_LT(at[1001] - at[1], 200);
 #endif
 }
 
