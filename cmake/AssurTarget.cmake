@@ -17,7 +17,7 @@ function(assur_target target)
   endif()
   if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
     # GCC looks for unused memory from 128 MB on, which most files here reach with their headers. From 512 MB on, the
-    # build takes a tenth less time, and a compiler up to a fifth more memory.
+    # six measured files take 8 % less time together, and the compiler up to a fifth more memory.
     target_compile_options(${target} PRIVATE --param=ggc-min-heapsize=524288)
   endif()
   # Contraction of a multiplication and an addition rounds once instead of twice, wherever the optimiser chooses.

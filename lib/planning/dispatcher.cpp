@@ -29,7 +29,7 @@ constexpr double kHandedOver = 4;  // doubles handed over for each unknown: its 
 // run` minus that of `assur compare`
 constexpr double kStoring = 0.3e-9;
 // time of a pack of +together relative to the same pack on one level; measured: 3.2 to 3.4 for four_bar:16 to 1000
-// (hot_loops, minus the time around the packs)
+// (hot_loops, minus the time around the packs), before distances had a step of their own
 constexpr double kTogether = 3.3;
 constexpr std::int32_t kTogetherLanes = 8;
 constexpr std::int64_t kCurved = 60;  // pieces of work for a distance or an angle among the outputs

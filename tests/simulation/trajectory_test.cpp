@@ -6,6 +6,7 @@
 #include <charconv>
 #include <sstream>
 
+#include "sanitizers.hpp"
 #include "simulation/run.hpp"
 
 namespace assur {
@@ -59,8 +60,13 @@ TEST(Trajectory, TouchesItsMemoryBeforeTheRun) {
   });
   ASSERT_EQ(motion.rows(), 1001u);
   ASSERT_GT(motion.columns().size() * motion.rows() * sizeof(double), 800u * 4096u);
-  // First accesses to other memory (with the address sanitizer 107); there are 845 if most steps access a fresh page.
-  EXPECT_LT(at[1001] - at[1], 200);
+  // First accesses to other memory, also to shadow memory; there are 845 if most steps access a fresh page.
+#ifdef ASSUR_ADDRESS_SANITIZER
+  constexpr long kMost = 200;  // measured: 107
+#else
+  constexpr long kMost = 100;
+#endif
+  EXPECT_LT(at[1001] - at[1], kMost);
 #endif
 }
 
