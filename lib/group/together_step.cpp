@@ -389,9 +389,41 @@ class TogetherStepOf final : public TogetherStep {
   LaneArray used_;                                        // packs x W
 };
 
+// A vector of rows at a time: within it each load is combined with the loads 1, 2, 4, ... rows before it, so that gains
+// are multiplied over one vector only. The last load is carried to the next vector.
 void complete_chain(const double* gains, double before, std::int32_t count, double* loads) {
+  using D = hn::CappedTag<double, kMostLanes>;
+  constexpr D d;
+  constexpr std::int32_t lanes = static_cast<std::int32_t>(hn::MaxLanes(d));
+  std::int32_t i = 0;
+  if constexpr (lanes > 2) {
+    constexpr int kPasses = lanes > 4 ? 3 : 2;
+    alignas(kLineBytes) std::int64_t rows[lanes];
+    const auto lane = [&](auto row) {
+      for (std::int64_t l = 0; l < lanes; ++l) rows[l] = row(l);
+      return hn::SetTableIndices(d, rows);
+    };
+    decltype(lane([](std::int64_t l) { return l; })) earlier[kPasses];
+    for (int k = 0; k < kPasses; ++k) {
+      earlier[k] = lane([&](std::int64_t l) { return std::max<std::int64_t>(l - (1 << k), 0); });
+    }
+    const auto last = lane([](std::int64_t) { return lanes - 1; });
+    auto carried = hn::Set(d, before);
+    for (; i + lanes <= count; i += lanes) {
+      auto gain = hn::LoadU(d, gains + i), load = hn::LoadU(d, loads + i);
+      for (int k = 0; k < kPasses; ++k) {
+        const auto first = hn::FirstN(d, static_cast<std::size_t>(1) << k);
+        load = hn::MulAdd(gain, hn::IfThenZeroElse(first, hn::TableLookupLanes(load, earlier[k])), load);
+        gain = hn::Mul(gain, hn::IfThenElse(first, hn::Set(d, 1.0), hn::TableLookupLanes(gain, earlier[k])));
+      }
+      load = hn::MulAdd(gain, carried, load);
+      hn::StoreU(load, d, loads + i);
+      carried = hn::TableLookupLanes(load, last);
+    }
+    before = hn::GetLane(carried);
+  }
   Lanes<1> load = Lanes<1>::set(before);
-  for (std::int32_t i = 0; i < count; ++i) {
+  for (; i < count; ++i) {
     Lanes<1> next = Lanes<1>::load(loads + i);
     next.add_product(Lanes<1>::load(gains + i), load);
     next.store(loads + i);
