@@ -67,6 +67,7 @@ class DistanceSystem : public SmallAlgebra<W, N> {
       first_[ij] = of(any ? addends_[static_cast<std::size_t>(sum.begin)] : none);
       first_moving_[ij] = of(any_moving ? addends_[static_cast<std::size_t>(sum.moving)] : none);
     }
+    for (const Program::Operand& o : addends_) terms_.push_back(of(o));
     for (const Separable::Known& t : separable.known) known_[t.equation] = t.coefficient;
     for (double* zeros : {b_, b_magnitude_, b_rate_, b_acceleration_}) std::fill_n(zeros, N * N * W, 0.0);
   }
@@ -80,6 +81,38 @@ class DistanceSystem : public SmallAlgebra<W, N> {
       L total = addend(first_[ij], kValue), magnitude = abs(total);
       for (std::int32_t o = sums_[ij].begin + 1; o < sums_[ij].end; ++o) {
         const L term = addend(of(addends_[static_cast<std::size_t>(o)]), kValue);
+        total = total + term;
+        if (kMeasure) magnitude = magnitude + abs(term);
+      }
+      total.store(b_ + ij * W);
+      if (kMeasure) magnitude.store(b_magnitude_ + ij * W);
+    }
+  }
+  // The part of b_ij from inputs at rest, and its magnitude: 2 x N x N x W, for set_moving_inputs().
+  static constexpr std::size_t kAtRest = 2 * N * N * W;
+  void at_rest(const Pack& pack, const double* state, double* to) {
+    turn_to(pack);
+    for (std::int32_t i = 0; i < inputs_; ++i) read(kValue, i, pack.input_rows.data(), pack.inputs.data(), state);
+    for (int ij = 0; ij < N * N; ++ij, to += W) {
+      L total = L::set(0), magnitude = L::set(0);
+      for (std::int32_t o = sums_[ij].begin; o < sums_[ij].moving; ++o) {
+        const L term = addend(of(addends_[static_cast<std::size_t>(o)]), kValue);
+        total = total + term;
+        magnitude = magnitude + abs(term);
+      }
+      total.store(to);
+      magnitude.store(to + N * N * W);
+    }
+  }
+  // set_inputs(), if at_rest() is known.
+  template <bool kMeasure>
+  HWY_INLINE void set_moving_inputs(const Pack& pack, const double* at_rest, const double* state) {
+    turn_to(pack);
+    for (const std::int32_t i : moving_) read(kValue, i, pack.input_rows.data(), pack.inputs.data(), state);
+    for (int ij = 0; ij < N * N; ++ij, at_rest += W) {
+      L total = L::load(at_rest), magnitude = L::load(at_rest + N * N * W);
+      for (std::int32_t o = sums_[ij].moving; o < sums_[ij].end; ++o) {
+        const L term = addend(terms_[static_cast<std::size_t>(o)], kValue);
         total = total + term;
         if (kMeasure) magnitude = magnitude + abs(term);
       }
@@ -183,6 +216,7 @@ class DistanceSystem : public SmallAlgebra<W, N> {
   double sign_;
   std::vector<std::int32_t> moving_;       // inputs
   std::vector<Program::Operand> addends_;  // of all b_ij
+  std::vector<Addend> terms_;              // addends_
   Sum sums_[N * N];
   Addend first_[N * N], first_moving_[N * N];
   std::int32_t known_[N];      // coefficients g_i

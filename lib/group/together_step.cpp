@@ -54,6 +54,15 @@ class TogetherStepOf final : public TogetherStep {
     numbers_.resize(packs_.size());
   }
 
+  void begin(const double* state) override {
+    if constexpr (Equations::kDistances) {
+      at_rest_.resize(packs_.size() * Equations::kAtRest);
+      for (std::size_t p = 0; p < packs_.size(); ++p) {
+        s_.at_rest(packs_[p].pack, state, at_rest_.data() + p * Equations::kAtRest);
+      }
+    }
+  }
+
   Progress linearise(const double* state, int iteration, double converged, Coupling& coupling,
                      TogetherFigures& figures) override {
     Progress progress = Progress::solved;
@@ -63,7 +72,14 @@ class TogetherStepOf final : public TogetherStep {
       if (iteration == 1 && !is_near(pack, coupling)) return Progress::failed;
       Column phi;
       load_unknowns(pack, state, m.x);
-      if (iteration == 0) {
+      if constexpr (Equations::kDistances) {
+        const double* const at_rest = at_rest_.data() + p * Equations::kAtRest;
+        if (iteration == 0) {
+          s_.template set_moving_inputs<true>(pack.pack, at_rest, state);
+        } else {
+          s_.template set_moving_inputs<false>(pack.pack, at_rest, state);
+        }
+      } else if (iteration == 0) {
         s_.set_inputs(pack.pack, state);
       } else {
         s_.template set_inputs<false>(pack.pack, state);
@@ -387,6 +403,7 @@ class TogetherStepOf final : public TogetherStep {
   std::vector<Numbers, LineAllocator<Numbers>> numbers_;  // packs
   LaneArray slopes_;                                      // packs x entries x W: H
   LaneArray used_;                                        // packs x W
+  LaneArray at_rest_;                                     // packs x DistanceSystem::at_rest()
 };
 
 // A vector of rows at a time: within it each load is combined with the loads 1, 2, 4, ... rows before it, so that gains

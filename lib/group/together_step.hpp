@@ -87,6 +87,8 @@ class TogetherStep {
   // rows of the groups that each part of each row reads, in the order of the entries.
   virtual void place(const Places& places, std::span<const std::int32_t> columns) = 0;
 
+  // To be called when coordinates at rest may have changed.
+  virtual void begin(const double* state) = 0;
   // Computes equations, Jacobian, factors, own changes and columns at the current posture. iteration: 0 at the
   // prediction. solved: every residual is at most `converged`, or only rounding is left. failed: the factorisation, the
   // convergence or the first correction of a lane is unusual.

@@ -226,7 +226,7 @@ void Together::add_row(const Row& row) {
 // ---- one step
 
 bool Together::solve(double* const (&state)[3], const Attempt& attempt, Counters& counters, StepErrors& errors) {
-  if (!up_to_date_) take();
+  if (!up_to_date_) take(state[0]);
   std::copy_n(state[0] + layout_.first_unknown, prediction_.size(), prediction_.begin());
   TogetherFigures figures{std::max(errors.position, 0.0), std::max(errors.velocity, 0.0),
                           std::max(errors.acceleration, 0.0)};
@@ -361,12 +361,13 @@ void Together::count(int iterations, Counters& counters) const {
 }
 
 // Copies the guards of all packs of the layout.
-void Together::take() {
+void Together::take(const double* state) {
   for (Class& c : classes_) {
     for (TogetherPack& to : c.step->packs()) {
       to.pack.swaps.resize(layout_.packs[idx(pack_of_[idx(to.pack.groups[0])])].swaps.size() * idx(c.lanes));
     }
     for (std::size_t place = 0; place < c.places.groups; ++place) take_lane(c, place);
+    c.step->begin(state);
   }
   up_to_date_ = true;
 }

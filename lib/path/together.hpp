@@ -67,7 +67,7 @@ class Together {
   [[nodiscard]] std::int32_t address(const Source& source) const;
   [[nodiscard]] Source source(const Class& c, std::int32_t group, std::size_t entry) const;
 
-  void take();
+  void take(const double* state);
   void take_lane(Class& c, std::size_t place);
   void complete_loads();
   [[nodiscard]] bool converge(double* const (&state)[3], const Attempt& attempt, int& iterations,
