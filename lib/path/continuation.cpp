@@ -35,7 +35,7 @@ Continuation::Continuation(const Prepared& prepared, const StepLimits& limits, R
       packs_(layout_.packs),
       levels_(prepared, layout_, limits.pin_to),
       angles_together_(angles_together(system_, structure_)) {
-  if (prepared.plan.run.together && !packs_.empty()) together_ = std::make_unique<Together>(prepared, layout_);
+  if (prepared.plan.run.together && !packs_.empty()) together_ = std::make_unique<Together>(prepared, layout_, levels_.team());
   state_.resize(layout_.first_unknown, layout_.size, prepared.plan.run.predictor);
   if (!structure_.watch_class.equations.empty()) {
     watch_.emplace(system_, structure_, layout_.address);

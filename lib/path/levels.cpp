@@ -6,18 +6,19 @@
 
 #include "index.hpp"
 #include "parallel/longest_first.hpp"
+#include "path/together.hpp"
 
 namespace assur {
 namespace {
 
 // Packs on the level with the most packs.
-int widest_level(const std::vector<Pack>& packs) {
+std::size_t widest_level(const std::vector<Pack>& packs) {
   std::ptrdiff_t most = 0;
   for (auto begin = packs.begin(), end = begin; begin != packs.end(); begin = end) {
     end = std::find_if(begin, packs.end(), [&](const Pack& p) { return p.level != begin->level; });
     most = std::max(most, end - begin);
   }
-  return static_cast<int>(most);
+  return static_cast<std::size_t>(most);
 }
 
 }  // namespace
@@ -25,20 +26,22 @@ int widest_level(const std::vector<Pack>& packs) {
 Levels::Levels(const Prepared& prepared, Layout& layout, std::span<const int> pin_to)
     : packs_(layout.packs), solvers_(layout.solvers), all_(layout.packs.size()) {
   std::iota(all_.begin(), all_.end(), 0);
-  schedule(prepared, prepared.plan.run.threads);
-  if (phases_.empty()) return;
-  const auto threads = static_cast<int>(phases_[0].start.size()) - 1;
-  for (int rank = 1; rank < threads; ++rank) helpers_.push_back(make_solvers(prepared));
-  shares_.resize(idx(threads));
+  const bool together = prepared.plan.run.together;
+  const std::size_t most = together ? Together::packs(prepared) : widest_level(packs_);
+  const auto threads = static_cast<int>(std::min(idx(prepared.plan.run.threads), most));
+  if (threads < 2) return;
+  schedule(prepared.plan, threads);
+  if (phases_.empty() && !together) return;
+  if (!phases_.empty()) {
+    for (int rank = 1; rank < threads; ++rank) helpers_.push_back(make_solvers(prepared, together ? 1 : 0));
+    shares_.resize(idx(threads));
+  }
   team_ = std::make_unique<Team>(threads, pin_to);
 }
 
 // Plans the phases: levels are shared as planned, and the calling thread does the levels between them. No phases if no
 // level is shared.
-void Levels::schedule(const Prepared& prepared, int threads) {
-  threads = std::min(threads, widest_level(packs_));  // more threads would not help
-  if (threads < 2) return;
-  const Plan& plan = prepared.plan;
+void Levels::schedule(const Plan& plan, int threads) {
   std::vector<double> cost;
   for (const Pack& pack : packs_) cost.push_back(plan.choices[idx(pack.group_class)].expected_seconds);
   bool any = false;

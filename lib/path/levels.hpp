@@ -17,11 +17,12 @@ namespace assur {
 // The packs of a layout with their threads.
 class Levels {
  public:
-  // Starts the threads of the plan, or fewer if no level has work for them. pin_to: see Team.
+  // Starts the threads of the plan, or fewer if no level has work for them, and +together has not. pin_to: see Team.
   Levels(const Prepared& prepared, Layout& layout, std::span<const int> pin_to);
 
   // Number of threads, including the caller.
-  [[nodiscard]] int threads() const { return static_cast<int>(helpers_.size()) + 1; }
+  [[nodiscard]] int threads() const { return team_ ? team_->size() : 1; }
+  [[nodiscard]] Team* team() { return team_.get(); }  // null: one thread
   // The solver of a pack on the calling thread.
   [[nodiscard]] GroupSolver& solver(const Pack& pack, int rank = 0);
   void restart();
@@ -69,7 +70,7 @@ class Levels {
     StepErrors errors;
     Failure failure;
   };
-  void schedule(const Prepared& prepared, int threads);
+  void schedule(const Plan& plan, int threads);
   template <class AttemptOf, class Expired>
   void work(std::span<const std::int32_t> packs, int rank, double* const (&state)[3], const AttemptOf& attempt,
             const Expired& expired, Counters& counters, StepErrors& errors, Failure& failure);
@@ -79,11 +80,11 @@ class Levels {
   std::vector<Pack>& packs_;
   std::vector<std::unique_ptr<GroupSolver>>& solvers_;              // classes; of the calling thread
   std::vector<std::vector<std::unique_ptr<GroupSolver>>> helpers_;  // solvers of each other thread
-  std::vector<Phase> phases_;
-  std::vector<std::int32_t> all_;              // packs
-  std::vector<Share> shares_;                  // threads
-  std::unique_ptr<Team> team_;                 // null: one thread
-  std::atomic<std::size_t> failed_phase_ = 0;  // number of phases: none
+  std::vector<Phase> phases_;                                       // none: the calling thread solves all packs
+  std::vector<std::int32_t> all_;                                   // packs
+  std::vector<Share> shares_;                                       // threads
+  std::unique_ptr<Team> team_;                                      // null: one thread
+  std::atomic<std::size_t> failed_phase_ = 0;                       // number of phases: none
 };
 
 template <class AttemptOf, class Expired>
@@ -107,7 +108,7 @@ void Levels::each(const Work& work) {
       work(index, solver(packs_[index], rank));
     }
   };
-  if (!team_) return all_of(all_, 0);
+  if (phases_.empty()) return all_of(all_, 0);
   team_->run([&](int rank) {
     for (std::size_t i = 0; i < phases_.size(); ++i) {
       if (i > 0) team_->barrier();
@@ -136,7 +137,7 @@ template <class AttemptOf, class Expired>
 Status Levels::solve(double* const (&state)[3], bool alone, const AttemptOf& attempt, const Expired& expired,
                      Counters& counters, StepErrors& errors, std::size_t& failed) {
   Failure first{packs_.size(), {}};
-  if (alone || !team_) {
+  if (alone || phases_.empty()) {
     work(all_, 0, state, attempt, expired, counters, errors, first);
   } else {
     work_together(state, attempt, expired);

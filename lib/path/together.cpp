@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "group/step_rules.hpp"
 #include "index.hpp"
@@ -11,21 +12,44 @@ namespace {
 
 constexpr std::size_t kZeros = kMostLanes;  // numbers at the beginning of each array of a Coupling
 
+// The larger one; NaN if one is NaN.
+void raise(double& to, double by) {
+  if (!(by <= to)) to = by;
+}
+
 }  // namespace
 
-Together::Together(const Prepared& prepared, Layout& layout)
-    : structure_(*prepared.structure), layout_(layout), pack_of_(structure_.groups.size()), chain_(chain_of_loads()) {
+Together::Together(const Prepared& prepared, Layout& layout, Team* team)
+    : structure_(*prepared.structure),
+      layout_(layout),
+      pack_of_(structure_.groups.size()),
+      team_(team),
+      shares_(team != nullptr ? idx(team->size()) : 1),
+      chain_(chain_of_loads()) {
   for (std::size_t p = 0; p < layout.packs.size(); ++p) {
     pack_of_[idx(layout.packs[p].groups[0])] = static_cast<std::int32_t>(p);
   }
   make_steps(prepared);
-  for (Class& c : classes_) fill_packs(c);
+  std::size_t pack = 0, packs = Together::packs(prepared);
+  for (Class& c : classes_) fill_packs(c, pack, packs);
   for (Class& c : classes_) find_parts(c);
   make_rows();
   prediction_.resize(layout.size - layout.first_unknown);
 }
 
 // ---- preparation
+
+std::size_t Together::packs(const Prepared& prepared) {
+  const Structure& s = *prepared.structure;
+  std::vector<std::size_t> groups(s.classes.size(), 0);
+  for (const Group& g : s.groups) ++groups[idx(g.group_class)];
+  std::size_t packs = 0;
+  for (std::size_t c = 0; c < groups.size(); ++c) {
+    const std::size_t lanes = idx(prepared.plan.choices[c].solver.lanes);
+    packs += (groups[c] + lanes - 1) / lanes;
+  }
+  return packs;
+}
 
 void Together::make_steps(const Prepared& prepared) {
   classes_.resize(structure_.classes.size());
@@ -54,11 +78,13 @@ void Together::make_steps(const Prepared& prepared) {
     c.derivatives = of.derivatives;
     derivatives_ = std::max(derivatives_, c.derivatives);
     c.solver = layout_.solvers[k].get();
-    c.step = c.solver->together_step(computed, c.lanes);
+    for (std::size_t rank = 0; rank < shares_.size(); ++rank) {
+      c.steps.push_back(c.solver->together_step(computed, c.lanes));
+    }
     const std::size_t w = idx(c.lanes), groups = (c.groups.size() + w - 1) / w * w;
     c.places = {unknowns, loads, 0, groups};
     unknowns += idx(of.n) * groups;
-    loads += idx(c.step->rows()) * groups;
+    loads += idx(c.step().rows()) * groups;
   }
   coupling_.own.resize(unknowns);
   coupling_.change.resize(unknowns);
@@ -74,10 +100,11 @@ std::int32_t Together::address(const Source& source) const {
 
 // The source of an entry of a class in one of its groups.
 Together::Source Together::source(const Class& c, std::int32_t group, std::size_t entry) const {
-  return sources_[idx(structure_.groups[idx(group)].inputs[idx(c.step->entries()[entry].input)])];
+  return sources_[idx(structure_.groups[idx(group)].inputs[idx(c.step().entries()[entry].input)])];
 }
 
-void Together::fill_packs(Class& c) {
+// Each thread gets consecutive packs of all classes. pack_number: that of the first pack of the class.
+void Together::fill_packs(Class& c, std::size_t& pack_number, std::size_t packs) {
   const std::size_t w = idx(c.lanes);
   c.balls_used.assign(c.places.groups, 0.0);
   c.balls_used_before = c.balls_used;
@@ -85,7 +112,7 @@ void Together::fill_packs(Class& c) {
     layout_.packs[idx(pack_of_[idx(c.groups[place])])].ball_used = std::span(c.balls_used).subspan(place, 1);
   }
   for (std::size_t first = 0; first < c.groups.size(); first += w) {
-    TogetherPack& to = c.step->packs().emplace_back();
+    TogetherPack& to = c.steps[pack_number++ * c.steps.size() / packs]->packs().emplace_back();
     Pack& pack = to.pack;
     to.place = first;
     pack.group_class = structure_.groups[idx(c.groups[first])].group_class;
@@ -123,7 +150,7 @@ void Together::fill_packs(Class& c) {
 
 // Entries of a row that read the same group in every lane become one part.
 void Together::find_parts(Class& c) {
-  const std::span<TogetherStep::Entry> entries = c.step->entries();
+  const std::span<TogetherStep::Entry> entries = c.step().entries();
   std::vector<std::int32_t> columns;
   std::vector<std::vector<Source>> of_parts;  // of the current row: the source of each group
   for (std::size_t e = 0; e < entries.size(); ++e) {
@@ -154,23 +181,26 @@ void Together::find_parts(Class& c) {
     if (begins) columns.push_back(0);
     for (const std::int32_t g : c.groups) {
       if (const Source s = source(c, g, e); s.of_class >= 0) {
-        columns.back() = std::max(columns.back(), classes_[idx(s.of_class)].step->rows());
+        columns.back() = std::max(columns.back(), classes_[idx(s.of_class)].step().rows());
       }
     }
   }
   const std::size_t w = idx(c.lanes);
-  for (TogetherPack& pack : c.step->packs()) {
-    for (std::size_t e = 0; e < entries.size(); ++e) {
-      for (std::size_t lane = 0; lane < w; ++lane) {
-        const std::size_t l = lane < pack.pack.groups.size() ? lane : 0;
-        pack.sources.addresses.push_back(address(source(c, pack.pack.groups[l], e)));
-      }
-    }
-    pack.sources.rows = address_rows(pack.sources.addresses, w);
-  }
   c.places.gains = coupling_.gains.size();
-  c.step->place(c.places, columns);
-  coupling_.gains.resize(coupling_.gains.size() + c.step->gains().size() * c.places.groups);
+  for (const auto& step : c.steps) {
+    std::copy(entries.begin(), entries.end(), step->entries().begin());
+    for (TogetherPack& pack : step->packs()) {
+      for (std::size_t e = 0; e < entries.size(); ++e) {
+        for (std::size_t lane = 0; lane < w; ++lane) {
+          const std::size_t l = lane < pack.pack.groups.size() ? lane : 0;
+          pack.sources.addresses.push_back(address(source(c, pack.pack.groups[l], e)));
+        }
+      }
+      pack.sources.rows = address_rows(pack.sources.addresses, w);
+    }
+    step->place(c.places, columns);
+  }
+  coupling_.gains.resize(coupling_.gains.size() + c.step().gains().size() * c.places.groups);
 }
 
 void Together::make_rows() {
@@ -178,8 +208,8 @@ void Together::make_rows() {
   for (const Group& group : structure_.groups) {
     const Class& c = classes_[idx(group.group_class)];
     const std::size_t place = next[idx(group.group_class)]++;
-    const std::span<const TogetherStep::Gain> gains = c.step->gains();
-    for (std::int32_t k = 0; k < c.step->rows(); ++k) {
+    const std::span<const TogetherStep::Gain> gains = c.step().gains();
+    for (std::int32_t k = 0; k < c.step().rows(); ++k) {
       Row row{static_cast<std::int32_t>(c.places.loads + idx(k) * c.places.groups + place),
               static_cast<std::int32_t>(links_.size()), 0};
       for (std::size_t j = 0; j < gains.size(); ++j) {
@@ -188,7 +218,7 @@ void Together::make_rows() {
         for (std::int32_t e = gains[j].begin; e < gains[j].end && from.of_class < 0; ++e) {
           from = source(c, c.groups[place], idx(e));
         }
-        if (from.of_class < 0 || gains[j].of >= classes_[idx(from.of_class)].step->rows()) continue;
+        if (from.of_class < 0 || gains[j].of >= classes_[idx(from.of_class)].step().rows()) continue;
         const TogetherStep::Places& of = classes_[idx(from.of_class)].places;
         links_.push_back({static_cast<std::int32_t>(c.places.gains + j * c.places.groups + place),
                           static_cast<std::int32_t>(of.loads + idx(gains[j].of) * of.groups + idx(from.place))});
@@ -199,7 +229,7 @@ void Together::make_rows() {
   }
   for (const Class& c : classes_) {
     const std::size_t w = idx(c.lanes), last = c.places.groups - w;
-    for (std::int32_t k = 0; k < c.step->rows(); ++k) {
+    for (std::int32_t k = 0; k < c.step().rows(); ++k) {
       const std::size_t row = c.places.loads + idx(k) * c.places.groups;
       for (std::size_t place = c.groups.size(); place < c.places.groups; ++place) {
         idle_.push_back({static_cast<std::int32_t>(row + place), static_cast<std::int32_t>(row + last)});
@@ -262,43 +292,69 @@ bool Together::solve(double* const (&state)[3], const Attempt& attempt, Counters
   return true;
 }
 
+// Each thread calls the works, one after the other, for its packs of every class; all threads meet between two works.
+template <class... Works>
+void Together::pass(const Works&... works) {
+  const auto part = [&](int rank) {
+    bool first = true;
+    const auto one = [&](const auto& work) {
+      if (!std::exchange(first, false) && team_ != nullptr) team_->barrier();
+      for (Class& c : classes_) work(*c.steps[idx(rank)], shares_[idx(rank)]);
+    };
+    (one(works), ...);
+  };
+  if (team_ != nullptr) {
+    team_->run(part);
+  } else {
+    part(0);
+  }
+}
+
 bool Together::converge(double* const (&state)[3], const Attempt& attempt, int& iterations, TogetherFigures& figures) {
+  using Progress = TogetherStep::Progress;
   const double before = figures.position;
   for (;; ++iterations) {
-    figures.position = before;
-    bool all = true;
-    for (Class& c : classes_) {
-      const TogetherStep::Progress progress =
-          c.step->linearise(state[0], iterations, attempt.converged, coupling_, figures);
-      if (progress == TogetherStep::Progress::failed) return false;
-      all = all && progress == TogetherStep::Progress::solved;
+    for (Share& share : shares_) share = {{before, 0, 0}, Progress::solved};
+    pass([&](TogetherStep& step, Share& share) {
+      if (share.progress == Progress::failed) return;
+      share.progress =
+          std::min(share.progress, step.linearise(state[0], iterations, attempt.converged, coupling_, share.figures));
+    });
+    Progress progress = Progress::solved;
+    for (const Share& share : shares_) progress = std::min(progress, share.progress);
+    if (progress == Progress::failed) return false;
+    if (progress == Progress::solved) {
+      for (const Share& share : shares_) raise(figures.position, share.figures.position);
+      return true;
     }
-    if (all) return true;
     if (iterations == attempt.most_iterations) return false;
-    for (Class& c : classes_) c.step->couple(coupling_, true);
+    pass([&](TogetherStep& step, Share&) { step.couple(coupling_, true); });
     complete_loads();
-    for (Class& c : classes_) c.step->correct(state[0], coupling_);
+    pass([&](TogetherStep& step, Share&) { step.correct(state[0], coupling_); });
   }
 }
 
 void Together::derive(double* const (&state)[3], TogetherFigures& figures) {
   if (derivatives_ < 1) return;
-  for (Class& c : classes_) c.step->own_rates(state, coupling_);
-  for (Class& c : classes_) c.step->couple(coupling_, true);
+  for (Share& share : shares_) share.figures = figures;
+  const auto finite = [&] {
+    for (const Share& share : shares_) {
+      raise(figures.velocity, share.figures.velocity);
+      raise(figures.acceleration, share.figures.acceleration);
+    }
+    return std::isfinite(figures.velocity + figures.acceleration);
+  };
+  pass([&](TogetherStep& step, Share&) { step.own_rates(state, coupling_); },
+       [&](TogetherStep& step, Share&) { step.couple(coupling_, true); });
   complete_loads();
-  for (Class& c : classes_) c.step->finish_rates(state, coupling_);
-  for (Class& c : classes_) {
-    c.step->own_accelerations(state, coupling_, figures);
-    if (!std::isfinite(figures.velocity)) return;
-  }
-  if (derivatives_ < 2) return;
-  for (Class& c : classes_) c.step->couple(coupling_, false);
+  pass([&](TogetherStep& step, Share&) { step.finish_rates(state, coupling_); },
+       [&](TogetherStep& step, Share& share) { step.own_accelerations(state, coupling_, share.figures); });
+  if (!finite() || derivatives_ < 2) return;
+  pass([&](TogetherStep& step, Share&) { step.couple(coupling_, false); });
   complete_loads();
-  for (Class& c : classes_) c.step->finish_accelerations(state, coupling_);
-  for (Class& c : classes_) {
-    c.step->measure_accelerations(coupling_, figures);
-    if (!std::isfinite(figures.acceleration)) return;
-  }
+  pass([&](TogetherStep& step, Share&) { step.finish_accelerations(state, coupling_); },
+       [&](TogetherStep& step, Share& share) { step.measure_accelerations(coupling_, share.figures); });
+  (void)finite();
 }
 
 // The recurrence through the levels.
@@ -322,17 +378,25 @@ bool Together::keep_on_branch(double* const (&state)[3], const Attempt& attempt,
   balls_of_ = attempt.number;
   for (Class& c : classes_) c.balls_used_before = c.balls_used;
   for (Class& c : classes_) {
-    const double* used = c.step->balls_used().data();
-    for (const TogetherPack& pack : c.step->packs()) {
-      if (c.step->balls_last()[pack.place / idx(c.lanes)] != 0) {
-        std::copy_n(used + pack.place, c.lanes, c.balls_used.data() + pack.place);
-        continue;
-      }
-      for (std::size_t place = pack.place; place < pack.place + idx(pack.pack.used); ++place) {
-        if (BranchGuard::stays_inside(used[place], c.balls_used[place])) continue;
-        Pack& single = layout_.packs[idx(pack_of_[idx(c.groups[place])])];
-        if (!c.solver->renew_anchor(single, state, attempt, counters).ok()) return false;
-        take_lane(c, place);
+    const std::size_t w = idx(c.lanes);
+    for (const auto& step : c.steps) {
+      for (std::size_t p = 0; p < step->packs().size(); ++p) {
+        TogetherPack& pack = step->packs()[p];
+        const double* used = step->balls_used().data() + p * w;
+        if (step->balls_last()[p] != 0) {
+          std::copy_n(used, w, pack.pack.ball_used.begin());
+          continue;
+        }
+        for (std::size_t lane = 0; lane < idx(pack.pack.used); ++lane) {
+          if (BranchGuard::stays_inside(used[lane], pack.pack.ball_used[lane])) continue;
+          Pack& single = layout_.packs[idx(pack_of_[idx(pack.pack.groups[lane])])];
+          if (!c.solver->renew_anchor(single, state, attempt, counters).ok()) return false;
+          take_lane(pack, lane, w);
+          for (std::size_t idle = idx(pack.pack.used); lane == 0 && idle < w; ++idle) take_lane(pack, idle, w);
+        }
+        for (std::size_t idle = idx(pack.pack.used); idle < w; ++idle) {
+          pack.pack.ball_used[idle] = pack.pack.ball_used[0];
+        }
       }
     }
   }
@@ -349,7 +413,7 @@ void Together::count(int iterations, Counters& counters) const {
   for (const Class& c : classes_) {
     const auto groups = static_cast<std::int64_t>(c.groups.size());
     const std::int64_t unknowns = groups * c.solver->program().n;
-    const std::int64_t right_sides = iterations + c.derivatives + (iterations + 1) * c.step->rows();
+    const std::int64_t right_sides = iterations + c.derivatives + (iterations + 1) * c.step().rows();
     counters.group_solutions += groups;
     counters.newton_iterations += groups * iterations;
     counters.evaluated_equations += unknowns * (iterations + 1);
@@ -363,22 +427,23 @@ void Together::count(int iterations, Counters& counters) const {
 // Copies the guards of all packs of the layout.
 void Together::take(const double* state) {
   for (Class& c : classes_) {
-    for (TogetherPack& to : c.step->packs()) {
-      to.pack.swaps.resize(layout_.packs[idx(pack_of_[idx(to.pack.groups[0])])].swaps.size() * idx(c.lanes));
+    const std::size_t w = idx(c.lanes);
+    for (const auto& step : c.steps) {
+      for (TogetherPack& to : step->packs()) {
+        to.pack.swaps.resize(layout_.packs[idx(pack_of_[idx(to.pack.groups[0])])].swaps.size() * w);
+        for (std::size_t lane = 0; lane < w; ++lane) take_lane(to, lane, w);
+      }
+      step->begin(state);
     }
-    for (std::size_t place = 0; place < c.places.groups; ++place) take_lane(c, place);
-    c.step->begin(state);
   }
   up_to_date_ = true;
 }
 
 // Idle lanes repeat the first lane of their pack.
-void Together::take_lane(Class& c, std::size_t place) {
-  const std::size_t w = idx(c.lanes), lane = place % w;
-  TogetherPack& to = c.step->packs()[place / w];
+void Together::take_lane(TogetherPack& to, std::size_t lane, std::size_t lanes) {
   const Pack& from = layout_.packs[idx(pack_of_[idx(to.pack.groups[lane < to.pack.groups.size() ? lane : 0])])];
-  for (std::size_t i = 0; i < from.swaps.size(); ++i) to.pack.swaps[i * w + lane] = from.swaps[i];
-  for (std::size_t i = 0; i < from.anchor.size(); ++i) to.pack.anchor[i * w + lane] = from.anchor[i];
+  for (std::size_t i = 0; i < from.swaps.size(); ++i) to.pack.swaps[i * lanes + lane] = from.swaps[i];
+  for (std::size_t i = 0; i < from.anchor.size(); ++i) to.pack.anchor[i * lanes + lane] = from.anchor[i];
   to.pack.omega[lane] = from.omega[0];
 }
 

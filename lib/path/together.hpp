@@ -13,6 +13,7 @@
 #include "assur/report.hpp"
 #include "group/attempt.hpp"
 #include "group/together_step.hpp"
+#include "parallel/team.hpp"
 #include "path/layout.hpp"
 
 namespace assur {
@@ -20,8 +21,11 @@ namespace assur {
 // Packs of several lanes for the groups of a layout with one lane, class by class.
 class Together {
  public:
-  // Both must outlive it. The plan must have RunSettings::together.
-  Together(const Prepared& prepared, Layout& layout);
+  // All must outlive it. The plan must have RunSettings::together. team: its threads share the packs; null: one thread
+  Together(const Prepared& prepared, Layout& layout, Team* team);
+
+  // Number of packs of several lanes.
+  [[nodiscard]] static std::size_t packs(const Prepared& prepared);
 
   // Makes an attempt inside the branch, like Levels::solve(). False: something is unusual; the state then holds the
   // prediction again, and the packs of the layout are unchanged.
@@ -47,12 +51,18 @@ class Together {
     std::int32_t to, from;  // loads
   };
   struct Class {
-    std::unique_ptr<TogetherStep> step;
-    GroupSolver* solver;  // solver of the class in the layout
+    std::vector<std::unique_ptr<TogetherStep>> steps;  // threads: each has a part of the packs
+    GroupSolver* solver;                               // solver of the class in the layout
     std::int32_t lanes, derivatives;
     std::vector<std::int32_t> groups;  // in solving order
     TogetherStep::Places places;
     LaneArray balls_used, balls_used_before;  // Pack::ball_used by place, now and before the attempt `balls_of_`
+
+    [[nodiscard]] TogetherStep& step() const { return *steps[0]; }
+  };
+  struct alignas(64) Share {  // of a thread in one pass
+    TogetherFigures figures;
+    TogetherStep::Progress progress;
   };
   // The group that computes a coordinate: its class and its place among the groups of the class. -1: none
   struct Source {
@@ -60,7 +70,7 @@ class Together {
   };
 
   void make_steps(const Prepared& prepared);
-  void fill_packs(Class& c);
+  void fill_packs(Class& c, std::size_t& pack_number, std::size_t packs);
   void find_parts(Class& c);
   void make_rows();
   void add_row(const Row& row);
@@ -68,7 +78,9 @@ class Together {
   [[nodiscard]] Source source(const Class& c, std::int32_t group, std::size_t entry) const;
 
   void take(const double* state);
-  void take_lane(Class& c, std::size_t place);
+  void take_lane(TogetherPack& to, std::size_t lane, std::size_t lanes);
+  template <class... Works>
+  void pass(const Works&... works);
   void complete_loads();
   [[nodiscard]] bool converge(double* const (&state)[3], const Attempt& attempt, int& iterations,
                               TogetherFigures& figures);
@@ -79,6 +91,8 @@ class Together {
   const Structure& structure_;
   Layout& layout_;
   std::vector<std::int32_t> pack_of_;  // group -> pack of the layout
+  Team* team_;
+  std::vector<Share> shares_;  // threads
   ChainOfLoads chain_;
   std::vector<Source> sources_;  // source of each coordinate
   std::vector<Class> classes_;

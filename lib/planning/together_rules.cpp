@@ -30,7 +30,6 @@ std::string why_not_together(const Strategy& strategy) {
     return "+together needs the solver lanes without +float, +refine, +reuse, +once and +separate";
   }
   if (strategy.solver.lanes < 4) return "+together takes 4, 8 or 16 lanes";
-  if (strategy.run.threads > 1) return "+together runs on one thread";
   return "";
 }
 

@@ -83,6 +83,13 @@ TEST(Levels, ThreadsKeepStewartPlatformsBitwiseEqual) {
   }
 }
 
+// The threads share the packs of all levels together.
+TEST(Levels, ThreadsKeepLevelsTogetherBitwiseEqual) {
+  for (const std::string scene : {"four_bar:loops=30,steps=60", "stewart:platforms=8,steps=12"}) {
+    expect_no_bit_to_change(sample(scene), "irreducible/lanes:4+together");
+  }
+}
+
 TEST(Levels, NestedThreadsKeepResultsBitwiseEqual) {
   expect_no_bit_to_change(sample("rings:legs=6,n=60,steps=4"), "groups/team", 4, 2);
   expect_no_bit_to_change(sample("rings:legs=6,n=60,steps=4"), "groups/team+once", 4, 2);

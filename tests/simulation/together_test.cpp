@@ -300,7 +300,6 @@ TEST(Together, IsRefusedWithTheReason) {
   says(refusal(chain, "irreducible/klu:8+together"), "needs the solver lanes without");
   says(refusal(chain, "irreducible/lanes:8+once+together"), "needs the solver lanes without");
   says(refusal(chain, "irreducible/lanes:2+together"), "takes 4, 8 or 16 lanes");
-  EXPECT_THROW((void)prepare(chain, {"irreducible/lanes:8+together 2x1", {}, ThreadBudget{2}}), Error);
 }
 
 }  // namespace
