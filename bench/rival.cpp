@@ -9,6 +9,7 @@
 
 #include "afternoon.hpp"
 #include "assur/assur.hpp"
+#include "chains.hpp"
 #include "program.hpp"
 
 namespace assur::bench {
@@ -84,6 +85,15 @@ void register_mechanism(const std::string& text, const Scene& scene, const Mecha
   }
 }
 
+// Chains of other groups, level after level and together.
+void register_chain(const Scene& scene) {
+  for (const std::string strategy :
+       {"irreducible/lanes+predict=hermite:5", "irreducible/lanes:4+together+predict=hermite:5",
+        "irreducible/lanes:8+together+predict=hermite:5", "irreducible/lanes:16+together+predict=hermite:5"}) {
+    benchmark::RegisterBenchmark((scene.name() + ":64 " + strategy).c_str(), time_steps, scene, strategy);
+  }
+}
+
 void register_all() {
   std::vector<std::string> points;
   for (int i = 1; i <= 6; ++i) points.push_back("B" + std::to_string(i));
@@ -95,6 +105,7 @@ void register_all() {
     const std::string text = "four_bar:" + std::to_string(loops);
     register_mechanism(text, sample(text).with_outputs(points), FourBarChain(loops));
   }
+  for (const Scene& chain : {slider_chain(), six_bar_chain(), spatial_chain()}) register_chain(chain);
 }
 
 }  // namespace
