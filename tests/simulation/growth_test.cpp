@@ -129,7 +129,7 @@ TEST(Branches, AreKeptOrReportedInRandomChains) {
     const Scene scene = test::closed_chain(draw);
     SCOPED_TRACE(std::to_string(i) + " " + scene.name());
     try {
-      const Prepared p = prepare(scene, {.strategy = i % 2 == 0 ? "irreducible/eigen" : "global/eigen+once"});
+      const Prepared p = test::prepare_in_turn(scene, i);
       Simulator s(p);
       Trajectory rows = s.run();
       (s.report().status.arrived() ? whole : stopped) += 1;

@@ -42,6 +42,20 @@ struct Result {
   [[nodiscard]] const Counters& counters() const { return report().counters; }
 };
 
+// The plan for scene i of a search: one group at a time, all equations at once, or, if its groups allow it, all levels
+// together.
+inline Prepared prepare_in_turn(const Scene& scene, int i) {
+  if (i % 3 == 1) return prepare(scene, {.strategy = "global/eigen+once"});
+  if (i % 3 == 2) {
+    try {
+      return prepare(scene, {.strategy = "irreducible/lanes:4+together"});
+    } catch (const Error& e) {
+      if (e.kind() != Error::Kind::environment) throw;
+    }
+  }
+  return prepare(scene, {.strategy = "irreducible/eigen"});
+}
+
 // The events of the motion, without doubts about its accuracy.
 [[nodiscard]] inline std::vector<Event> events(const Report& report) {
   std::vector<Event> all = report.events;
