@@ -1,6 +1,9 @@
 # ctest reads this when it starts: one test for each suite of the GoogleTest program `program`, named FOLDER.SUITE. A
 # process for each case would spend more time on its start than on most cases. ctest must not search the output for
 # skipped cases, because it would count a suite with a failed and a skipped case as skipped.
+# Suites that run many mechanisms with many strategies. `./quickstart test` leaves them out.
+set(long planning.Offers simulation.Accuracy simulation.AccuracySearch simulation.Levels simulation.RandomJoints
+    simulation.Recovery simulation.Strategies structure.Shapes/ManyBodies)
 if(NOT EXISTS ${program})
   add_test(${folder}_test_NOT_BUILT ${folder}_test_NOT_BUILT)
   return()
@@ -12,4 +15,7 @@ foreach(suite IN LISTS suites)
   string(REGEX REPLACE "\\.$" "" name ${folder}.${suite})
   add_test(${name} ${program} --gtest_filter=${suite}*)
   set_tests_properties(${name} PROPERTIES ENVIRONMENT ASSUR_DB=)
+  if(name IN_LIST long)
+    set_tests_properties(${name} PROPERTIES LABELS long)
+  endif()
 endforeach()
