@@ -22,7 +22,7 @@ enum class Kernel : std::uint8_t {
   factor,    // one factorisation of W matrices
   solve,     // one solution of W systems, each with one right-hand side
   pack,      // one step of a pack (up to W groups of a class in SIMD lanes): position in one iteration, velocity and
-             // acceleration; if p > 1, while p threads do the same work
+             // acceleration; if p > 1, while p threads do the same work; with +together a pack's share of such a step
   meeting,   // p threads start together and wait for each other, after the first has worked alone for 5 us (included).
              // Thread 0 passes shape.n doubles (in all) to the others, which change them and pass them back
   step,      // one step of a mechanism; only to compare with the sum of the other kernels
@@ -89,7 +89,8 @@ class PerformanceModel {
 
   // Time of one call of a kernel.
   [[nodiscard]] Prediction kernel(Kernel kernel, const Shape& shape, const Strategy& strategy) const;
-  // Time of one step of a pack of W groups. If the pack was not measured, the time is composed of kernels.
+  // Time of one step of a pack of W groups. If the pack was not measured, the time is composed of kernels. With
+  // +together: a share of a step of all levels, with the recurrence through them; shape.groups are those of all levels
   [[nodiscard]] Prediction pack(const Shape& shape, const Strategy& strategy) const;
   // pack() for several strategies, faster than one call for each. The result has their order.
   [[nodiscard]] std::vector<Prediction> packs(const Shape& shape, std::span<const Strategy> strategies) const;

@@ -28,10 +28,6 @@ constexpr double kHandedOver = 4;  // doubles handed over for each unknown: its 
 // s for each stored value, if its page exists; measured: 0.23 to 0.39 ns for 393 to 8,640 values, as the time of `assur
 // run` minus that of `assur compare`
 constexpr double kStoring = 0.3e-9;
-// time of a pack of +together relative to the same pack on one level; measured: 3.2 to 3.4 for four_bar:16 to 1000
-// (hot_loops, minus the time around the packs), before distances had a step of their own
-constexpr double kTogether = 3.3;
-constexpr std::int32_t kTogetherLanes = 8;
 constexpr std::int64_t kCurved = 60;  // pieces of work for a distance or an angle among the outputs
 
 // Groups of one class on one level.
@@ -73,9 +69,7 @@ std::vector<ClassLoad> loads_of(const Structure& s, const std::vector<Batch>& ba
   return loads;
 }
 
-std::int32_t packs_of(const Batch& batch, const Plan::Choice& choice) {
-  return (batch.groups + choice.solver.lanes - 1) / choice.solver.lanes;
-}
+std::int32_t packs_of(std::int32_t groups, std::int32_t lanes) { return (groups + lanes - 1) / lanes; }
 
 // The solver of a class, and its advantage over the second best.
 std::string reason_of(const std::vector<Candidate>& ranked) {
@@ -170,7 +164,8 @@ void share_levels(Plan& plan, const Structure& s, const std::vector<Batch>& batc
     double doubles = 3.0 * static_cast<double>(read[idx(level)]), contended = 0, in_turns = 0;
     for (; end < batches.size() && batches[end].level == level; ++end) {
       const Plan::Choice& choice = plan.choices[idx(batches[end].group_class)];
-      const std::int32_t packs = packs_of(batches[end], choice), n = s.classes[idx(choice.group_class)].n;
+      const std::int32_t packs = packs_of(batches[end].groups, choice.solver.lanes);
+      const std::int32_t n = s.classes[idx(choice.group_class)].n;
       costs.insert(costs.end(), idx(packs), choice.expected_seconds);
       contended += packs * choice.expected_seconds * model.contention(p, n);
       if (properties_of(choice.solver.backend).takes_turns) in_turns += packs * choice.expected_seconds;
@@ -263,28 +258,43 @@ Plan throughput_plan(const std::vector<Shape>& shapes, const Offers& offers, std
   return plan;
 }
 
+// The fastest choice for a class whose groups are solved together with those of all other levels.
+Plan::Choice choice_together(std::int32_t group_class, const Shape& shape, const PerformanceModel& model) {
+  std::vector<Strategy> ways;
+  for (std::int32_t lanes = kLeastTogetherLanes; lanes <= kMostLanes; lanes *= 2) {
+    ways.push_back({.run = {.together = true}, .solver = {.backend = std::string(kLanes.id), .lanes = lanes}});
+  }
+  const std::vector<Prediction> packs = model.packs(shape, ways);
+  Plan::Choice best;
+  best.group_class = group_class;
+  best.shape = shape;
+  best.reason = "groups of all levels side by side";
+  double least = kInfinity;
+  for (std::size_t i = 0; i < ways.size(); ++i) {
+    const double all = packs_of(shape.groups, ways[i].solver.lanes) * packs[i].seconds;
+    if (all >= least) continue;
+    least = all;
+    best.solver = ways[i].solver;
+    best.expected_seconds = packs[i].seconds;
+    best.origin = packs[i].origin;
+  }
+  return best;
+}
+
 // The groups of all levels at once, if they are small enough.
 std::optional<Plan> together_plan(const Structure& s, const std::vector<Shape>& shapes, const Around& around,
                                   const Scales& scales) {
-  if (std::find(scales.without.begin(), scales.without.end(), kLanes.id) != scales.without.end()) return std::nullopt;
+  const bool left_out = std::find(scales.without.begin(), scales.without.end(), kLanes.id) != scales.without.end();
+  if (left_out || !why_not_together(s).empty()) return std::nullopt;
   Plan plan;
   plan.run.together = true;
   plan.lanes = kThroughputLanes;
   plan.level_threads.assign(idx(s.levels), 1);
   plan.expected_seconds = around.seconds(1);
   for (std::size_t c = 0; c < shapes.size(); ++c) {
-    Plan::Choice choice;
-    choice.group_class = static_cast<std::int32_t>(c);
-    choice.shape = shapes[c];
-    choice.reason = "groups of all levels side by side";
-    choice.solver.backend = kLanes.id;
-    choice.solver.lanes = kTogetherLanes;
-    if (!why_not_together(s, plan.strategy(choice)).empty()) return std::nullopt;
-    const Prediction pack = scales.model.pack(choice.shape, plan.strategy(choice));
-    choice.expected_seconds = kTogether * pack.seconds;
-    choice.origin = std::max(pack.origin, Origin::extrapolated);
-    plan.expected_seconds += packs_of({0, 0, choice.shape.groups}, choice) * choice.expected_seconds;
-    plan.choices.push_back(std::move(choice));
+    plan.choices.push_back(choice_together(static_cast<std::int32_t>(c), shapes[c], scales.model));
+    const Plan::Choice& choice = plan.choices.back();
+    plan.expected_seconds += packs_of(choice.shape.groups, choice.solver.lanes) * choice.expected_seconds;
   }
   return plan;
 }
@@ -344,10 +354,14 @@ Plan best_latency(const Structure& s, const std::vector<Shape>& shapes, std::int
   }
   best->reason = threads_reason(*best, allowed, alone, scales.model);
   std::optional<Plan> other = together_plan(s, shapes, around, scales);
-  if (!other || !(other->expected_seconds < best->expected_seconds * (1 - scales.tie))) return std::move(*best);
-  other->reason = "all levels together: expected " + fixed(best->expected_seconds / other->expected_seconds, 1) +
-                  " times as fast as level after level";
-  return std::move(*other);
+  if (!other) return std::move(*best);
+  const double gain = best->expected_seconds / other->expected_seconds;
+  if (gain * (1 - scales.tie) > 1) {
+    other->reason = "all levels together: expected " + fixed(gain, 1) + " times as fast as level after level";
+    return std::move(*other);
+  }
+  if (s.levels > 1) best->reason += "; all levels together would take " + fixed(1 / gain, 1) + " times as long";
+  return std::move(*best);
 }
 
 }  // namespace

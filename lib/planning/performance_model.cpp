@@ -30,7 +30,7 @@ constexpr std::array kKernels = {NamedKernel{Kernel::evaluate, "evaluate"}, Name
 // separate, so that another W can stand in.
 struct Variant {
   std::int32_t backend = 0;  // its number in BackendNumbers
-  bool single = false, refine = false, once = false, separate = false;
+  bool single = false, refine = false, once = false, separate = false, together = false;
   Reuse reuse = Reuse::fresh;
   std::int32_t q = 1, lanes = 1;
 
@@ -68,6 +68,7 @@ Variant variant_of(Kernel kernel, const Strategy& s, const BackendNumbers& names
   if (kernel == Kernel::pack) {
     v.once = s.solver.once;
     v.separate = s.solver.separate;
+    v.together = s.run.together;
     v.reuse = s.solver.reuse;
   }
   return v;
@@ -516,7 +517,7 @@ struct PerformanceModel::Impl {
     first.q = first.lanes = 0;
     const auto same_solver = [&](const Variant& v) {
       const auto solver = [](const Variant& of) {
-        return std::tie(of.backend, of.single, of.refine, of.once, of.separate, of.reuse);
+        return std::tie(of.backend, of.single, of.refine, of.once, of.separate, of.together, of.reuse);
       };
       return solver(v) == solver(wanted);
     };
@@ -540,7 +541,7 @@ struct PerformanceModel::Impl {
     auto found = packs.find(number);
     if (found == packs.end()) {  // same solver with another W, or else with the plain policy
       const auto next = stand_in(packs, variant);
-      variant.once = variant.separate = false;
+      variant.once = variant.separate = variant.together = false;
       variant.reuse = Reuse::fresh;
       found = packs.find(next == numbers.end() ? number_of(variant) : next->second);
     }

@@ -89,10 +89,17 @@ double evaluate_seconds(const Shape& shape, const Strategy& s) {
 
 // `--kernel pack` by `lanes` at n = 2 and 3.
 double in_registers_seconds(const Shape& shape, const Strategy& s) {
-  return 1e-9 * (20 + 13.0 * shape.n * shape.n) * width(s, 0.14);
+  return 1e-9 * (17 + 4.6 * shape.n * shape.n * shape.n) * width(s, 0.08);
+}
+
+// `--kernel pack` by +together. The packs share the beginnings of the passes.
+double together_seconds(const Shape& shape, const Strategy& s) {
+  const double packs = std::ceil(static_cast<double>(shape.groups) / s.solver.lanes);
+  return 1e-9 * ((30 + 11.0 * shape.n * shape.n) * width(s, 0.2) + 70 / std::max(packs, 1.0));
 }
 
 double pack_seconds(const Shape& shape, const Strategy& s) {
+  if (s.run.together) return together_seconds(shape, s);
   if (in_registers(shape, s)) return in_registers_seconds(shape, s);
   const StepCounts counts = step_counts(s, shape.rhs - 1);
   return rest_seconds(shape, s) + counts.evaluations * evaluate_seconds(shape, s) +
@@ -142,7 +149,7 @@ StepCounts step_counts(const Strategy& s, int derivatives) {
 }
 
 bool in_registers(const Shape& shape, const Strategy& s) {
-  return (shape.n == 2 || shape.n == 3) && s.solver.lanes <= 8 && has_small_steps(s.solver);
+  return (shape.n == 2 || shape.n == 3) && (s.solver.lanes <= 8 || s.run.together) && has_small_steps(s.solver);
 }
 
 bool is_dense(const Strategy& s) { return properties_of(s.solver.backend).dense; }

@@ -29,8 +29,15 @@ std::string why_not_together(const Strategy& strategy) {
   if (!has_small_steps(strategy.solver)) {
     return "+together needs the solver lanes without +float, +refine, +reuse, +once and +separate";
   }
-  if (strategy.solver.lanes < 4) return "+together takes 4, 8 or 16 lanes";
+  if (strategy.solver.lanes < kLeastTogetherLanes) return "+together takes 4, 8 or 16 lanes";
   return "";
+}
+
+std::string why_not_together(const Structure& structure) {
+  Strategy narrowest;
+  narrowest.solver.backend = kLanes.id;
+  narrowest.solver.lanes = kLeastTogetherLanes;
+  return why_not_together(structure, narrowest);
 }
 
 std::string why_not_together(const Structure& structure, const Strategy& strategy) {

@@ -8,9 +8,13 @@
 
 namespace assur {
 
+inline constexpr int kLeastTogetherLanes = 4;  // +together takes this W and the wider ones
+
 // The reason why +together cannot be used with the other settings of a strategy; "": it can.
 [[nodiscard]] std::string why_not_together(const Strategy& strategy);
-// The same, with the groups of a structure.
+// The same for the groups of a structure, whatever the number of lanes.
+[[nodiscard]] std::string why_not_together(const Structure& structure);
+// The same, with a structure and a strategy.
 [[nodiscard]] std::string why_not_together(const Structure& structure, const Strategy& strategy);
 
 }  // namespace assur

@@ -323,7 +323,7 @@ TEST(Pairings, FewOutputsMoveLikeThePlainRun) {
 
 TEST(Pairings, EveryStrategyMovesLikeThePlainRun) {
   expect_alike([](const Plain& plain, std::uint64_t, Draw& draw) {
-    const std::string strategy = to_string(test::random_strategy(draw));
+    const std::string strategy = to_string(test::random_strategy(draw, plain.scene));
     return Told{strategy, difference(plain, run(plain.scene, strategy))};
   });
 }

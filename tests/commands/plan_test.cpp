@@ -60,6 +60,22 @@ TEST(Plan, ShowsThePartsOfAStep) {
       << text;
 }
 
+TEST(Plan, ShowsIfLevelsAreSolvedTogether) {
+  const nlohmann::json plan = run_command({"plan", "four_bar:100", "--json", "--threads", "1"}).json();
+  const nlohmann::json& of_class = plan["classes"].at(0);
+  EXPECT_TRUE(
+      std::regex_match(of_class["strategy"].get<std::string>(), std::regex("irreducible/lanes:[0-9]+\\+together.*")))
+      << of_class["strategy"];
+  EXPECT_GT(of_class["expected_seconds"], 0);
+  EXPECT_GT(plan["expected_seconds"].get<double>(),
+            plan["expected_around_seconds"].get<double>() + of_class["expected_seconds"].get<double>());
+  const std::string chain = run_command({"plan", "four_bar:100", "--threads", "1"}).out;
+  EXPECT_NE(chain.find("+together"), std::string::npos) << chain;
+  EXPECT_TRUE(std::regex_search(chain, std::regex("all levels together: expected [0-9.]+ times as fast"))) << chain;
+  const std::string two = run_command({"plan", "four_bar:2", "--json", "--threads", "1"}).json()["reason"];
+  EXPECT_TRUE(std::regex_search(two, std::regex("; all levels together would take [0-9.]+ times as long$"))) << two;
+}
+
 TEST(Plan, NamesAnUnwritableFile) {
   const Scratch scratch;
   const std::string file = scratch.file("no_such_folder/stewart.plan");

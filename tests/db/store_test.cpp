@@ -28,6 +28,8 @@ TEST(Store, ReturnsSamplesBitwise) {
   given[1].strategy = parse_strategy("irreducible/lanes:8+float+refine+once+predict=hermite:5+chunks=3 3x2");
   given[1].shape = {
       123, 456, 78, 9, 1'000'000'000'000, 2'000'000'000'000, 3'000'000'000'000, 4'000'000'000'000, ~std::uint64_t{0}};
+  given[4].kernel = Kernel::pack;
+  given[4].strategy = parse_strategy("irreducible/lanes:16+together");
   given[2].spread = -0.0;
   given[2].backward_error = 0;
   given[2].forward_error = 5e-324;

@@ -33,6 +33,21 @@ INSTANTIATE_TEST_SUITE_P(, Packs,
                            return text;
                          });
 
+TEST(PackStep, ACallOfAllLevelsTogetherSolvesEveryPack) {
+  for (const int lanes : {4, 8, 16}) {
+    PackStep step(prepared("four_bar:20", "irreducible/lanes:" + std::to_string(lanes) + "+together"), 0);
+    EXPECT_EQ(step.lanes(), lanes);
+    EXPECT_EQ(step.packs(), static_cast<std::size_t>((20 + lanes - 1) / lanes));
+    const Counters before = step.counters();
+    ASSERT_TRUE(step.run(3));
+    const Counters after = step.counters();
+    EXPECT_EQ(after.group_solutions - before.group_solutions, 3 * 20);
+    EXPECT_EQ(after.newton_iterations - before.newton_iterations, 3 * 20);
+    EXPECT_EQ(after.branch_checks, before.branch_checks);
+    EXPECT_LE(step.error().position, 1e-12);
+  }
+}
+
 TEST(PackStep, CountsFactorisationsOfThePolicy) {
   for (const auto& [strategy, factorizations] :
        {std::pair("groups/eigen", 2), {"groups/eigen+once", 1}, {"groups/eigen+separate", 3}}) {

@@ -2,11 +2,15 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <memory>
+#include <random>
+#include <regex>
 
 #include "assur/assur.hpp"
 #include "made_up_machine.hpp"
 #include "planning/candidates.hpp"
+#include "planning/dispatcher.hpp"
 
 namespace assur {
 namespace {
@@ -58,11 +62,54 @@ TEST(Dispatcher, SolvesTheLevelsOfAChainTogether) {
   };
   const Plan chain = plan_of("four_bar:100");
   EXPECT_TRUE(chain.run.together);
-  EXPECT_EQ(chain.choices.at(0).solver.lanes, 8);
+  EXPECT_GE(chain.choices.at(0).solver.lanes, 8);
   EXPECT_NE(chain.reason.find("all levels together"), std::string::npos) << chain.reason;
   EXPECT_FALSE(plan_of("four_bar:2").run.together);  // one pack of eight would be slower
   EXPECT_FALSE(plan_of("stewart").run.together);     // one level
   EXPECT_FALSE(plan_of("four_bar:100", {"lanes"}).run.together);
+}
+
+// seconds: times of a pack with 4, 8 and 16 lanes.
+Plan plan_of_chain(std::array<double, 3> seconds) {
+  const Scene scene = sample("four_bar:100");
+  std::mt19937_64 random(1);
+  std::vector<Sample> known = samples();
+  Sample alone = sample_of(Kernel::pack, class_shapes(analyze(scene))[0], solver("lanes"), 0, random);
+  alone.seconds = 50e-9;
+  known.push_back(alone);
+  for (std::size_t i = 0; i < seconds.size(); ++i) {
+    Sample s = alone;
+    s.strategy.run.together = true;
+    s.strategy.solver.lanes = 4 << i;
+    s.seconds = seconds[i];
+    known.push_back(s);
+  }
+  return prepare(scene, {.budget = ThreadBudget{1}, .model = std::make_shared<PerformanceModel>(known)}).plan;
+}
+
+TEST(Dispatcher, SolvesLevelsTogetherWithTheMeasuredLanes) {
+  struct Case {
+    std::array<double, 3> seconds;
+    std::int32_t lanes, packs;
+  };
+  for (const Case& c :
+       {Case{{50e-9, 180e-9, 300e-9}, 4, 25}, {{120e-9, 130e-9, 300e-9}, 8, 13}, {{120e-9, 180e-9, 200e-9}, 16, 7}}) {
+    const Plan plan = plan_of_chain(c.seconds);
+    ASSERT_TRUE(plan.run.together) << c.lanes;
+    const Plan::Choice& choice = plan.choices.at(0);
+    EXPECT_EQ(choice.solver.lanes, c.lanes);
+    EXPECT_EQ(choice.origin, Origin::measured);
+    const double pack = c.seconds[c.lanes == 4 ? 0 : c.lanes == 8 ? 1 : 2];
+    EXPECT_EQ(choice.expected_seconds, pack);
+    EXPECT_GT(plan.expected_seconds, c.packs * pack);  // and the time around the packs
+  }
+}
+
+TEST(Dispatcher, SolvesLevelsOneByOneIfThatWasMeasuredAsFaster) {
+  const Plan plan = plan_of_chain({400e-9, 800e-9, 1600e-9});
+  EXPECT_FALSE(plan.run.together);
+  EXPECT_TRUE(std::regex_search(plan.reason, std::regex("; all levels together would take [0-9.]+ times as long$")))
+      << plan.reason;
 }
 
 TEST(Dispatcher, LeavesOutExcludedBackends) {

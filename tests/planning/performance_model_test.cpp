@@ -122,6 +122,30 @@ TEST(PerformanceModel, PredictsUnsampledLaneWidths) {
   EXPECT_LT(off_by(model.pack(sparse_shape(22), s), 1.8 * truth(Kernel::pack, sparse_shape(22), s)), 0.1);
 }
 
+// Packs of +together and of one level have samples of their own. Unknown ones follow the nearest W.
+TEST(PerformanceModel, TellsStepsOfAllLevelsFromStepsOfOne) {
+  const Shape shape = sparse_shape(2, 100);
+  const auto together = [](std::int32_t lanes) {
+    Strategy s = solver("lanes", lanes);
+    s.run.together = true;
+    return s;
+  };
+  const PerformanceModel unknown;
+  EXPECT_GT(unknown.pack(shape, together(8)).seconds, unknown.pack(shape, solver("lanes", 8)).seconds);
+  EXPECT_EQ(unknown.pack(shape, together(8)).origin, Origin::prior);
+  std::mt19937_64 random(3);
+  std::vector<Sample> known;
+  for (const Strategy& s : {solver("lanes", 8), together(8), together(16)}) {
+    known.push_back(sample_of(Kernel::pack, shape, s, 0, random));
+    known.back().seconds = prior_seconds(Kernel::pack, shape, s) * (s.run.together ? 3 : 1);
+  }
+  const PerformanceModel model(known);
+  for (const Sample& s : known) EXPECT_EQ(model.pack(shape, s.strategy).seconds, s.seconds) << to_string(s.strategy);
+  EXPECT_LT(off_by(model.pack(shape, together(4)), 3 * prior_seconds(Kernel::pack, shape, together(4))), 0.1);
+  const PerformanceModel older({known[0]});  // samples of a tuner that did not measure +together
+  EXPECT_LT(off_by(older.pack(shape, together(8)), prior_seconds(Kernel::pack, shape, together(8))), 0.5);
+}
+
 TEST(PerformanceModel, ReturnsMeasuredTimesUnchanged) {
   std::vector<Sample> known = samples();
   const auto pack = std::find_if(known.begin(), known.end(), [](const Sample& s) { return s.kernel == Kernel::pack; });

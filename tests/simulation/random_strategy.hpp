@@ -4,7 +4,11 @@
 #include <vector>
 
 #include "assur/backend.hpp"
+#include "assur/scene.hpp"
 #include "assur/strategy.hpp"
+#include "assur/structure.hpp"
+#include "backends/backends.hpp"
+#include "planning/together_rules.hpp"
 #include "simulation/random_mechanisms.hpp"
 
 namespace assur::test {
@@ -17,8 +21,18 @@ inline std::vector<const Backend*> backends_here() {
   return out;
 }
 
-// A strategy with one chunk and one thread.
-inline Strategy random_strategy(Draw& draw) {
+inline bool can_be_solved_together(const Scene& scene, Formulation formulation) {
+  StructureOptions options;
+  options.formulation = formulation;
+  try {
+    return why_not_together(analyze(scene, options)).empty();
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+// A strategy with one chunk and one thread for a scene.
+inline Strategy random_strategy(Draw& draw, const Scene& scene) {
   static const std::vector<const Backend*> here = backends_here();
   Strategy s;
   s.run.formulation = draw.of(std::vector{Formulation::global, Formulation::groups, Formulation::irreducible});
@@ -38,6 +52,10 @@ inline Strategy random_strategy(Draw& draw) {
                                                    {Kind::hermite, 5},
                                                    {Kind::past, 2},
                                                    {Kind::past, 5}});
+  if (draw.below(4) == 0 && can_be_solved_together(scene, s.run.formulation)) {
+    s.run.together = true;
+    s.solver = {.backend = std::string(kLanes.id), .lanes = kLeastTogetherLanes << draw.below(3)};
+  }
   return s;
 }
 

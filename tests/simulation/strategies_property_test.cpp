@@ -63,8 +63,8 @@ double worst_condition(const Scene& scene) {
   return *std::max_element(all.begin(), all.end());
 }
 
-std::string any_strategy(Draw& draw) {
-  Strategy s = test::random_strategy(draw);
+std::string any_strategy(Draw& draw, const Scene& scene) {
+  Strategy s = test::random_strategy(draw, scene);
   s.run.chunks = draw.maybe() ? 1 : 1 + static_cast<std::int32_t>(draw.below(9));
   return to_string(s);
 }
@@ -76,7 +76,7 @@ TEST(Strategies, AllGiveTheSameMotionOfRandomMechanisms) {
     const double condition = worst_condition(scene);
     for (int k = 0; k < 4; ++k) {
       SCOPED_TRACE("seed " + std::to_string(seed) + ", condition " + std::to_string(condition));
-      expect_the_motion_of_the_reference(scene, any_strategy(draw), condition);
+      expect_the_motion_of_the_reference(scene, any_strategy(draw, scene), condition);
       if (testing::Test::HasFailure()) return;
     }
   }

@@ -192,6 +192,29 @@ TEST(Around, TimesEveryClassOfAStep) {
   EXPECT_EQ(open(cell, field)->enter({Kernel::step, parse_strategy("groups/lanes:8")}).size(), 1u);
 }
 
+// A call of +together solves all packs; the sample is the share of one.
+TEST_F(CampaignTest, StoresTheShareOfAPackOfAllLevels) {
+  Cell cell;
+  cell.kind = Cell::Kind::together;
+  cell.family = "dyads in series";
+  cell.scene = [] { return sample("four_bar:20"); };
+  cell.formulation = Formulation::irreducible;
+  Campaign campaign(options_, instruments());
+  campaign.run({cell});
+  ASSERT_EQ(stored_.size(), 1u);
+  std::set<std::string> strategies;
+  for (const Result& r : stored_[0].results) {
+    strategies.insert(to_string(r.sample.strategy));
+    EXPECT_EQ(r.sample.kernel, Kernel::pack);
+    EXPECT_EQ(r.sample.shape.groups, 20);
+    // A block takes one reading of the clock.
+    const double packs = std::ceil(20.0 / r.sample.strategy.solver.lanes);
+    EXPECT_NEAR(r.sample.seconds * packs * static_cast<double>(r.sample.repetitions), kTick * r.rounds, 1e-9);
+  }
+  EXPECT_EQ(strategies, (std::set<std::string>{"irreducible/lanes:16+together", "irreducible/lanes:4+together",
+                                               "irreducible/lanes:8+together"}));
+}
+
 TEST_F(CampaignTest, MeasuresEqualMatricesOnce) {
   std::vector<Cell> twice = cells();
   twice.push_back(twice.front());

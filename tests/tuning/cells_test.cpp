@@ -77,6 +77,12 @@ TEST(Cells, ASceneHasItsOwnCells) {
   EXPECT_EQ(texts.count("stewart, groups, n = 15, 6 groups"), 1u);
   EXPECT_EQ(texts.count("stewart, global, n = 102, 1 group"), 1u);
   EXPECT_EQ(texts.count("stewart, irreducible, whole steps"), 1u);
+  std::vector<std::string> together;
+  for (const Cell& c : scene_cells("four_bar:7", sample("four_bar:7"))) {
+    if (c.kind == Cell::Kind::together) together.push_back(to_string(c));
+  }
+  EXPECT_EQ(together, (std::vector<std::string>{"four_bar:7, groups, n = 2, 7 groups, together",
+                                                "four_bar:7, irreducible, n = 2, 7 groups, together"}));
 }
 
 TEST(Cells, AFamilyHasCellsOfOtherSizes) {

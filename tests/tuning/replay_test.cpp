@@ -47,6 +47,8 @@ TEST(Replay, PacksAndMatricesOfOneShapeAreDifferentCells) {
   const std::vector<CellResult> cells = cells_of(samples);
   ASSERT_EQ(cells.size(), 2u);
   EXPECT_EQ(cells[1].cell.kind, Cell::Kind::packs);
+  samples.back().strategy.run.together = true;
+  EXPECT_EQ(cells_of(samples)[1].cell.kind, Cell::Kind::together);
 }
 
 TEST(Replay, RegretFallsWithMoreSamples) {

@@ -9,7 +9,6 @@
 #include "assur/backend.hpp"
 #include "assur/plan.hpp"
 #include "assur/structure.hpp"
-#include "backends/backends.hpp"
 #include "output/format.hpp"
 #include "planning/strategies.hpp"
 #include "planning/together_rules.hpp"
@@ -57,9 +56,7 @@ Demand demand_of(const Scene& scene, Formulation formulation) {
     demand.shapes.push_back({.n = pattern.n, .nnz = pattern.nnz(), .groups = groups[c], .rhs = 3});
     demand.largest = std::max(demand.largest, pattern.n);
   }
-  const Strategy together{{.formulation = formulation, .together = true},
-                          {.backend = std::string(assur::kLanes.id), .lanes = kLanes}};
-  demand.together = why_not_together(s, together).empty();
+  demand.together = why_not_together(s).empty();
   return demand;
 }
 

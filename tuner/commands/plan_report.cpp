@@ -76,10 +76,11 @@ void print_classes(Page& page, const PlanSummary& s) {
 }
 
 // The best candidate of each backend, and why others cannot run.
-void print_candidates(Page& page, std::int32_t group_class, const std::vector<Candidate>& candidates) {
+void print_candidates(Page& page, std::int32_t group_class, bool one_level, const std::vector<Candidate>& candidates) {
   using enum Table::Align;
   page.gap();
-  page.fact("class " + std::to_string(group_class), "all candidates, time for all its groups");
+  page.fact("class " + std::to_string(group_class),
+            std::string("all candidates, time for all its groups") + (one_level ? "" : " as if on one level"));
   Table table({left, right, right, left});
   std::set<std::string> seen;
   for (const Candidate& c : candidates) {
@@ -180,8 +181,9 @@ void print(Page& page, const PlanSummary& s) {
     if (idx(c.group_class) == kMostClasses) break;
     page.fact(c.group_class == 0 ? "reason" : "", "class " + std::to_string(c.group_class) + ": " + c.reason);
   }
+  const auto levels = levels_of_classes(*s.prepared.structure);
   for (std::size_t k = 0; k < std::min(s.candidates.size(), kMostClasses); ++k) {
-    print_candidates(page, static_cast<std::int32_t>(k), s.candidates[k]);
+    print_candidates(page, static_cast<std::int32_t>(k), levels[k].size() == 1, s.candidates[k]);
   }
 }
 

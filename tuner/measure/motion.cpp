@@ -13,6 +13,7 @@
 #include "measure/postures.hpp"
 #include "parallel/thread_state.hpp"
 #include "path/layout.hpp"
+#include "path/together.hpp"
 #include "signals/inputs.hpp"
 
 namespace assur::measure {
@@ -80,10 +81,16 @@ struct PackStep::Impl {
       : prepared(p), layout(lay_out(prepared)), solver(*layout.solvers[idx(group_class)]) {
     for (std::vector<double>& s : state) s.resize(layout.size);
     solve_start();
+    const bool all_classes = prepared.plan.run.together;
     for (Pack& pack : layout.packs) {
-      if (pack.group_class == group_class) packs.push_back(&pack);
+      if (all_classes || pack.group_class == group_class) packs.push_back(&pack);
     }
-    size = idx(solver.program().n) * static_cast<std::size_t>(solver.lanes());
+    if (all_classes) together = std::make_unique<Together>(prepared, layout, nullptr);
+    lanes = all_classes ? prepared.plan.choices[idx(group_class)].solver.lanes : solver.lanes();
+    of_class = static_cast<std::size_t>(
+        std::count_if(packs.begin(), packs.end(), [&](const Pack* pack) { return pack->group_class == group_class; }));
+    // With +together each group is a pack of the layout.
+    if (all_classes) of_class = (of_class + idx(lanes) - 1) / idx(lanes);
     for (double off = kFirstOff; off >= kLeastOff; off /= 10) {
       predict(off);
       if (takes_one_iteration()) return;
@@ -128,28 +135,41 @@ struct PackStep::Impl {
   void predict(double off) {
     std::mt19937_64 random(3);
     std::uniform_real_distribution<double> either_way(-off, off);
-    predictions.resize(packs.size() * size);
-    std::vector<double> unknowns(state[0]);
-    for (std::size_t p = 0; p < packs.size(); ++p) {
-      double* x = unknowns.data() + packs[p]->unknowns;
-      for (std::size_t i = 0; i < size; ++i) x[i] += std::max(std::abs(x[i]), 1.0) * either_way(random);
-      repeat_lane_0(*packs[p], unknowns.data());
-      std::copy_n(x, size, predictions.data() + p * size);
+    predictions = state[0];
+    for (const Pack* pack : packs) {
+      double* x = predictions.data() + pack->unknowns;
+      for (std::size_t i = 0; i < size(*pack); ++i) x[i] += std::max(std::abs(x[i]), 1.0) * either_way(random);
+      repeat_lane_0(*pack, predictions.data());
     }
+  }
+
+  // Unknowns of all lanes.
+  [[nodiscard]] std::size_t size(const Pack& pack) const {
+    const GroupSolver& s = *layout.solvers[idx(pack.group_class)];
+    return idx(s.program().n) * static_cast<std::size_t>(s.lanes());
   }
 
   bool takes_one_iteration() {
     const Counters before = counters;
-    if (!run(static_cast<int>(packs.size()))) return false;
+    if (!run_all()) return false;
     return counters.newton_iterations - before.newton_iterations == counters.group_solutions - before.group_solutions;
   }
+
+  // Solves every pack once.
+  bool run_all() { return run(together ? 1 : static_cast<int>(packs.size())); }
 
   bool run(int calls) {
     double* const q[3] = {at(0), at(1), at(2)};
     bool ok = true;
     for (int i = 0; i < calls; ++i) {
+      if (together) {
+        std::copy(predictions.begin() + static_cast<std::ptrdiff_t>(layout.first_unknown), predictions.end(),
+                  q[0] + layout.first_unknown);
+        ok = together->solve(q, Attempt{}, counters, errors) && ok;
+        continue;
+      }
       Pack& pack = *packs[next];
-      std::copy_n(predictions.data() + next * size, size, q[0] + pack.unknowns);
+      std::copy_n(predictions.data() + pack.unknowns, size(pack), q[0] + pack.unknowns);
       ok = solver.solve(pack, q, Attempt{}, counters, errors).ok() && ok;
       if (++next == packs.size()) next = 0;
     }
@@ -160,9 +180,11 @@ struct PackStep::Impl {
   Layout layout;
   GroupSolver& solver;
   std::vector<double> state[3];
-  std::vector<Pack*> packs;         // of the class
-  std::size_t size = 0;             // n x W
-  std::vector<double> predictions;  // packs x n x W
+  std::vector<Pack*> packs;            // of the layout; only those of the class, except with +together
+  std::unique_ptr<Together> together;  // null without +together
+  int lanes = 1;
+  std::size_t of_class = 0;         // packs of the class
+  std::vector<double> predictions;  // a state
   std::size_t next = 0;
   Counters counters;
   StepErrors errors;
@@ -173,11 +195,11 @@ PackStep::PackStep(const Prepared& prepared, std::int32_t group_class)
 PackStep::~PackStep() = default;
 
 void PackStep::get_ready(int) {
-  if (impl_->predictions.size() <= kWorthWarming) (void)impl_->run(static_cast<int>(impl_->packs.size()));
+  if (impl_->predictions.size() <= kWorthWarming) (void)impl_->run_all();
 }
 bool PackStep::run(int calls) { return impl_->run(calls); }
-int PackStep::lanes() const { return impl_->solver.lanes(); }
-std::size_t PackStep::packs() const { return impl_->packs.size(); }
+int PackStep::lanes() const { return impl_->lanes; }
+std::size_t PackStep::packs() const { return impl_->of_class; }
 const Counters& PackStep::counters() const { return impl_->counters; }
 ErrorFigures PackStep::error() const {
   ErrorFigures figures;

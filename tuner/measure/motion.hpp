@@ -19,7 +19,8 @@ namespace assur::measure {
                                                    int lanes);
 
 // One call solves one pack of a class like an ordinary step: a prediction with a small error, one Newton iteration,
-// velocity and acceleration. The packs of the class take turns, so that all its groups form the working set.
+// velocity and acceleration. The packs of the class take turns, so that all its groups form the working set. With
+// +together one call solves all packs of all classes.
 class PackStep final : public Workload {
  public:
   // Throws Error: environment if the plan cannot run here, numerical if the start posture has no velocities or if no
@@ -31,7 +32,7 @@ class PackStep final : public Workload {
   bool run(int calls) override;
 
   [[nodiscard]] int lanes() const;
-  [[nodiscard]] std::size_t packs() const;
+  [[nodiscard]] std::size_t packs() const;         // of the class
   [[nodiscard]] const Counters& counters() const;  // work of all calls since construction
   [[nodiscard]] ErrorFigures error() const;        // largest errors of these calls
 

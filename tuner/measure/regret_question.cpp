@@ -13,6 +13,7 @@
 #include "measure/ways.hpp"
 #include "median.hpp"
 #include "planning/strategies.hpp"
+#include "planning/together_rules.hpp"
 
 namespace assur::measure {
 namespace {
@@ -125,6 +126,7 @@ std::vector<Racer> mixed_racers(const Racer& fastest, const Question& q, const Q
       Racer racer{.text = "", .prepared = fastest.prepared};
       SolverSettings& solver = racer.prepared.plan.choices[c].solver;
       if (solver.backend == s.solver.backend && solver.lanes == s.solver.lanes) continue;
+      if (plan.run.together && !why_not_together(s).empty()) continue;
       solver.backend = s.solver.backend;
       solver.lanes = s.solver.lanes;
       solver.once = false;

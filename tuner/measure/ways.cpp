@@ -16,15 +16,6 @@ constexpr std::array kFixed = {1, 2, 3};  // the paper's tEnd2
 constexpr std::int32_t kLanes = 8;        // one width represents all; the dispatcher considers the others
 constexpr std::int32_t kMostDense = 600;  // unknowns
 
-// True if all irreducible groups are small enough for +together.
-bool has_groups_for_together(const Scene& scene) {
-  Strategy s;
-  s.run.together = true;
-  s.solver.backend = assur::kLanes.id;
-  s.solver.lanes = kLanes;
-  return why_not_together(analyze(scene, {}), s).empty();
-}
-
 }  // namespace
 
 std::string_view name(Knob knob) noexcept {
@@ -47,7 +38,7 @@ std::vector<Way> solvers(const Scene& scene, ThreadBudget budget) {
   StrategySpace space;
   space.formulations = formulations_of(scene);
   space.lanes = {1, kLanes};
-  space.together = has_groups_for_together(scene);
+  space.together = why_not_together(analyze(scene, {})).empty();
   if (budget.threads > 1) space.packs = space.threads = {1, budget.threads};
   const auto wanted = [](const Backend& backend, const Strategy& s) {
     const bool irreducible = s.run.formulation == Formulation::irreducible;

@@ -220,7 +220,7 @@ CellResult Campaign::measure_cell(const Cell& cell, Ground& ground, double secon
     measure::Runner runner;
     runner.work = e.work;
     runner.heat = heat;
-    runner.share = whole ? 1 : e.strategy.solver.lanes;
+    runner.share = whole ? 1 : e.strategy.solver.lanes * e.packs_of_call;
     runner.threads = e.strategy.run.threads * e.strategy.solver.threads;
     if (e.kernel == Kernel::meeting) runner.by_the_clock = kAloneBeforeMeeting;
     runners.push_back(std::move(runner));
@@ -246,8 +246,8 @@ CellResult Campaign::measure_cell(const Cell& cell, Ground& ground, double secon
     s.kernel = e.kernel;
     s.shape = e.shape;
     s.strategy = e.strategy;
-    s.seconds = runners[i].median();
-    s.spread = runners[i].spread();
+    s.seconds = runners[i].median() / e.packs_of_call;
+    s.spread = runners[i].spread() / e.packs_of_call;
     s.slowness = runners[i].slowness();
     s.repetitions = static_cast<std::int64_t>(runners[i].seconds.size()) * runners[i].calls;
     s.backward_error = e.backward_error;

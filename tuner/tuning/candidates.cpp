@@ -60,4 +60,15 @@ std::vector<Strategy> pack_strategies(const Field& field, Formulation formulatio
   });
 }
 
+std::vector<Strategy> together_strategies(const Field& field, Formulation formulation, std::int32_t groups) {
+  StrategySpace space;
+  space.formulations = {formulation};
+  space.lanes.assign(kWidths.begin(), kWidths.end());
+  space.together = true;
+  std::vector<Strategy> all =
+      in_turns(field, space, {}, [&](const Backend&, const SolverSettings& s) { return s.lanes < 2 * groups; });
+  std::erase_if(all, [](const Strategy& s) { return !s.run.together; });
+  return all;
+}
+
 }  // namespace assur::tuning

@@ -29,4 +29,8 @@ struct Field {
 [[nodiscard]] std::vector<Strategy> pack_strategies(const Field& field, Formulation formulation, const Shape& shape,
                                                     bool policies);
 
+// The strategies with +together, for every W that does not leave half of the lanes of all `groups` idle.
+[[nodiscard]] std::vector<Strategy> together_strategies(const Field& field, Formulation formulation,
+                                                        std::int32_t groups);
+
 }  // namespace assur::tuning

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "assur/plan.hpp"
+#include "planning/together_rules.hpp"
 #include "tuning/mechanisms.hpp"
 
 namespace assur::tuning {
@@ -120,6 +121,17 @@ Cell ring_packs(std::int32_t n, std::int32_t groups) {
                Formulation::groups);
 }
 
+// Dyads or tripods in series, solved by +together.
+Cell series(std::int32_t n, std::int32_t groups) {
+  Cell c = packs(
+      n == 2 ? "dyads in series" : "tripods in series", n, groups,
+      n == 2 ? named("four_bar:" + std::to_string(groups)) : [groups] { return tripods(groups); },
+      Formulation::irreducible);
+  c.kind = Cell::Kind::together;
+  c.weight = 0.5;
+  return c;
+}
+
 // Four-bars in series as one system, as without group equations.
 Cell chain_packs(std::int32_t n) {
   return packs("chain, global", n, 1, named("n_four_bar:" + std::to_string(n / 2)), Formulation::global);
@@ -156,6 +168,11 @@ void add_packs(std::vector<Cell>& cells, const Extent& e) {
     }
   }
   for (const std::int32_t n : {4, 8, 20, 60, 200}) add(chain_packs(n));
+  for (const std::int32_t groups : {4, 8, 16, 64, 1000}) {
+    if (groups > e.most_groups) continue;
+    add(series(2, groups));
+    if (groups > 4) add(series(3, groups));
+  }
   if (!e.held_out) return;
   for (const auto& [n, groups] : kPacksOffTheGrid) {
     Cell c = n == 2 ? dyad_packs(groups) : ring_packs(n, groups);
@@ -201,8 +218,9 @@ std::string to_string(const Cell& cell) {
   if (cell.kind == Cell::Kind::steps) return text + ", whole steps";
   if (cell.kind == Cell::Kind::around) return text + ", steps without their packs";
   text += ", n = " + std::to_string(cell.n);
-  if (cell.kind == Cell::Kind::packs || cell.kind == Cell::Kind::crowd)
+  if (cell.kind != Cell::Kind::matrix)
     text += ", " + std::to_string(cell.groups) + (cell.groups == 1 ? " group" : " groups");
+  if (cell.kind == Cell::Kind::together) text += ", together";
   if (cell.kind == Cell::Kind::crowd) text += ", all threads";
   return text;
 }
@@ -287,6 +305,12 @@ std::vector<Cell> scene_cells(const std::string& text, const Scene& scene) {
       m.formulation = f;
       cells.push_back(std::move(m));
       cells.push_back(std::move(p));
+    }
+    // The time of a step together is that of all classes, so it tells the time of a pack only if there is one class.
+    if (structure.classes.size() == 1 && structure.levels > 1 && why_not_together(structure).empty()) {
+      const auto groups = static_cast<std::int32_t>(structure.groups.size());
+      cells.push_back(packs(family, structure.classes[0].n, groups, same, f));
+      cells.back().kind = Cell::Kind::together;
     }
     cells.push_back(steps(family, same, f));
     cells.push_back(around(cells.back()));

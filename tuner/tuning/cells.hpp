@@ -16,17 +16,18 @@ namespace assur::tuning {
 
 struct Cell {
   enum class Kind : std::uint8_t {
-    matrix,   // factor and solve; for a class also evaluate
-    packs,    // pack
-    crowd,    // pack, while several threads do the same work
-    steps,    // step
-    around,   // step and its packs by a few strategies, which give Kernel::around
-    meeting,  // meeting
+    matrix,    // factor and solve; for a class also evaluate
+    packs,     // pack
+    together,  // pack, by +together
+    crowd,     // pack, while several threads do the same work
+    steps,     // step
+    around,    // step and its packs by a few strategies, which give Kernel::around
+    meeting,   // meeting
   };
   Kind kind = Kind::matrix;
   std::string family;       // cells of one family differ in size only: "rings", "random", "stewart global", ...
   std::int32_t n = 0;       // unknowns, if they follow from the size
-  std::int32_t groups = 1;  // of the class, on one level
+  std::int32_t groups = 1;  // of the class, on one level; together: on all levels
   bool held_out = false;    // measured to judge the model, which does not use it
   bool policies = false;    // packs: also with +once and +separate
   double weight = 1;        // share of the time

@@ -12,6 +12,7 @@
 #include "numbers.hpp"
 #include "planning/counts.hpp"
 #include "planning/dispatcher.hpp"
+#include "planning/together_rules.hpp"
 
 namespace assur::tuning {
 namespace {
@@ -99,6 +100,12 @@ class PacksGround final : public Ground {
     class_ = class_of(cell, *prepared_.structure);
     const auto k = static_cast<std::size_t>(class_);
     shape_ = shape_of(prepared_.structure->classes[k], groups_of_classes(*prepared_.structure)[k]);
+    if (cell.kind == Cell::Kind::together) {
+      for (Strategy& s : together_strategies(field, cell.formulation, shape_.groups)) {
+        candidates_.push_back({Kernel::pack, std::move(s)});
+      }
+      return;
+    }
     Shape level = shape_;
     level.groups = cell.groups;
     for (Strategy& s : pack_strategies(field, cell.formulation, level, cell.policies)) {
@@ -123,12 +130,15 @@ class PacksGround final : public Ground {
       return {{Kernel::pack, shape_, c.strategy, crowd.get(), crowd, kNotMeasured, kNotMeasured}};
     }
     const std::shared_ptr<measure::PackStep> packs = pack_step(c);
-    return {{Kernel::pack, shape_, c.strategy, packs.get(), packs, packs->error().residual(), kNotMeasured}};
+    Entrant out{Kernel::pack, shape_, c.strategy, packs.get(), packs, packs->error().residual(), kNotMeasured};
+    if (c.strategy.run.together) out.packs_of_call = static_cast<int>(packs->packs());
+    return {std::move(out)};
   }
 
  private:
   [[nodiscard]] std::unique_ptr<measure::PackStep> pack_step(const Candidate& c) const {
     Prepared prepared = prepared_;
+    prepared.plan.run.together = c.strategy.run.together;
     prepared.plan.choices[static_cast<std::size_t>(class_)].solver = c.strategy.solver;
     return std::make_unique<measure::PackStep>(prepared, class_);
   }
@@ -156,6 +166,11 @@ class StepsGround final : public Ground {
     if (cell.kind == Cell::Kind::around) {
       const BesideGroups beside = beside_groups(structure, PerformanceModel(), 1);
       around_ = {.n = static_cast<std::int32_t>(beside.unknowns), .terms = beside.pieces};
+    }
+    if (!around_ && structure.levels > 1 && why_not_together(structure).empty()) {
+      for (Strategy& s : together_strategies(field, cell.formulation, shape_.groups)) {
+        candidates_.push_back({Kernel::step, std::move(s)});
+      }
     }
     for (Strategy& s : pack_strategies(field, cell.formulation, shape_, true)) {
       if (cell.kind == Cell::Kind::around) {
@@ -230,6 +245,7 @@ std::unique_ptr<Ground> open(const Cell& cell, const Field& field) {
     case Cell::Kind::matrix:
       return std::make_unique<MatrixGround>(cell, field);
     case Cell::Kind::packs:
+    case Cell::Kind::together:
     case Cell::Kind::crowd:
       return std::make_unique<PacksGround>(cell, field);
     case Cell::Kind::steps:

@@ -27,4 +27,26 @@ Scene dyads(int count) {
   return builder.time(0, 0.5, 0.005).build();
 }
 
+Scene tripods(int count) {
+  // Two legs keep each point on a circle of radius 3 about an axis below it. The rods of length 2 move all points to
+  // and fro as the crank, of length 1, passes the middle of its swing.
+  constexpr double kStart = 1.3, kRod = 2, kHeight = 3, kAside = 2;
+  const Triple end = {std::cos(kStart), std::sin(kStart), 0};
+  SceneBuilder builder("tripods", 3);
+  builder.fixed_point("A", {0, 0, 0}).fixed_vector("axis", {0, 0, 1}).point("B", end);
+  builder.drive("motor", PointAngle{"A", "B", "axis", Law::polynomial({kStart, 1})});
+  std::string before = "B";
+  for (int i = 0; i < count; ++i) {
+    const std::string number = std::to_string(i), point = "C" + number;
+    const double x = end[0] + (i + 1) * kRod, y = end[1];
+    builder.point(point, {x, y, 0}).constrain("rod" + number, Distance{before, point, kRod});
+    for (const double side : {-kAside, kAside}) {
+      const std::string leg = number + (side < 0 ? "L" : "R");
+      builder.fixed_point("D" + leg, {x, y + side, -kHeight}).constrain("leg" + leg, Distance{"D" + leg, point, {}});
+    }
+    before = point;
+  }
+  return builder.time(0, 0.5, 0.005).build();
+}
+
 }  // namespace assur::tuning

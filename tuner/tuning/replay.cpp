@@ -14,6 +14,7 @@ Cell::Kind kind_of(const Sample& s) {
     case Kernel::solve:
       return Cell::Kind::matrix;
     case Kernel::pack:
+      if (s.strategy.run.together) return Cell::Kind::together;
       return s.strategy.run.threads > 1 ? Cell::Kind::crowd : Cell::Kind::packs;
     case Kernel::meeting:
       return Cell::Kind::meeting;
@@ -47,7 +48,8 @@ std::vector<CellResult> cells_of(std::span<const Sample> samples) {
       fresh.cell.kind = kind;
       fresh.cell.n = s.shape.n;
       fresh.cell.groups = s.shape.groups;
-      fresh.cell.held_out = kind != Cell::Kind::crowd && is_held_out(s.kernel, s.shape);
+      const bool judges = kind != Cell::Kind::crowd && kind != Cell::Kind::together;
+      fresh.cell.held_out = judges && is_held_out(s.kernel, s.shape);
       cells.push_back(std::move(fresh));
       at = cells.rbegin();
     }

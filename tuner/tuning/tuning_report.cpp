@@ -86,6 +86,7 @@ std::vector<Winner> winners(std::span<const CellResult> cells) {
         add(Kernel::factor, kSideBySide);
         break;
       case Cell::Kind::packs:
+      case Cell::Kind::together:
         add(Kernel::pack, cell.cell.groups);
         break;
       case Cell::Kind::steps:
