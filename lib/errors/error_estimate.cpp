@@ -22,7 +22,7 @@ constexpr std::int64_t kStepsBetween = 512;      // steps between measurements
 constexpr std::int64_t kIntervalUnseen = 16;
 constexpr double kCloser = 1.6;           // if the square of a divisor falls by this factor, its inverse cube doubles
 constexpr double kGrownTwice = 2;         // growth of a condition or a residual that asks for a new measurement
-constexpr double kConfirmedTwice = 2;     // safety of the confirmed part of the growth along paths, as an exponent
+constexpr double kConfirmedSafety = 2;    // safety of the confirmed part of the growth along paths, as an exponent
 constexpr double kLeastConfirmed = 0.25;  // the same: its least value
 constexpr double kFaster = 4;     // growth of a rate or an acceleration of a driver that asks for a new measurement
 constexpr double kAtRest = 1e-4;  // a driver rests below this share of the rate that it reaches within a radian
@@ -306,7 +306,7 @@ void ErrorEstimate::confirm_growth(double before) {
   const double along_paths = std::exchange(growth_along_paths_, 1), of_group = std::exchange(growth_of_group_, 1);
   if (!(along_paths > kGrownTwice) || !(before > 0)) return;
   const double seen = worst_ / (before * of_group);
-  confirmed_ = seen > 1 ? std::min(kConfirmedTwice * std::log(seen) / std::log(along_paths), 1.0) : 0;
+  confirmed_ = seen > 1 ? std::min(kConfirmedSafety * std::log(seen) / std::log(along_paths), 1.0) : 0;
   confirmed_ = std::max(confirmed_, kLeastConfirmed);
 }
 
