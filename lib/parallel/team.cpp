@@ -64,6 +64,8 @@ void Team::start() {
       failure = pthread_create(&worker.thread, nullptr, enter, &worker);
       if (failure != 0) workers_.pop_back();
     }
+    // A thread may allocate memory while it starts, so all of them start before the caller's work.
+    if (failure == 0) run([](int) noexcept {});
   } catch (...) {
     dismiss();
     throw;

@@ -25,7 +25,7 @@ inline constexpr std::size_t kWorthSharing = 8000;  // pieces of 0.5 ns each: th
 // The calling thread and its helpers.
 class Team {
  public:
-  // Starts size - 1 threads, which sleep without work.
+  // Starts size - 1 threads, which sleep without work, and waits until all of them run.
   //
   // pin_to: processors (Machine::cores). If it is not empty, rank r runs on pin_to[r] only (the caller within run()),
   // and threads that wait in run() busy-wait; use dedicated cores.
