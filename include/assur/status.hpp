@@ -76,9 +76,13 @@ struct Place {
     lane,    // of a linear solver, or of mechanisms that are solved side by side
     member,  // of an ensemble
   };
-  Kind kind = Kind::none;   // type of the object
   std::int32_t index = -1;  // counted from 0; -1 if the kind is none
+  Kind kind = Kind::none;   // type of the object
 
+  // No particular object.
+  constexpr Place() = default;
+  // The i-th object of a list.
+  constexpr Place(Kind of, std::int32_t i) noexcept : index(i), kind(of) {}
   // The i-th driver of the scene.
   [[nodiscard]] static constexpr Place driver(std::int32_t i) noexcept { return {Kind::driver, i}; }
   // The i-th group of the structure.
@@ -96,11 +100,17 @@ struct Place {
 // Outcome of a numerical operation, with the object and the figure that it is about. To print it: name(code), the
 // object by Structure::name_of() if it is a group, and the events of the report, which have the details.
 struct [[nodiscard]] Status {
-  Code code = Code::ok;  // ok, or the reason for the failure
-  Place where;           // the object that failed, or whose error is the largest
+  // The code lies in the padding of the place: functions return 16 bytes in registers.
+  [[no_unique_address]] Place where;  // the object that failed, or whose error is the largest
+  Code code = Code::ok;               // ok, or the reason for the failure
   // Depends on the code, see the table in docs/accuracy.md: an estimated error, a residual, a ratio of singular values,
   // a time in s, ...; 0 if none.
   double figure = 0;
+
+  // Success.
+  constexpr Status() = default;
+  // An outcome with the object and the figure that it is about.
+  constexpr Status(Code of, Place at, double f = 0) noexcept : where(at), code(of), figure(f) {}
 
   // True if the operation succeeded with the required accuracy.
   [[nodiscard]] constexpr bool ok() const noexcept { return code == Code::ok; }

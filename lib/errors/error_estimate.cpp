@@ -42,7 +42,8 @@ ErrorEstimate::ErrorEstimate(const Structure& structure, Layout& layout, std::sp
   const System& system = *structure.system;
   for (std::size_t c = 0; c < system.coordinates.size(); ++c) {
     const bool drives = system.coordinates[c].role == Role::driven && system.coordinates[c].moving;
-    if (drives && layout.address[c] >= 0) driven_.push_back(layout.address[c]);
+    const bool is_copy = layout.address[c] != static_cast<std::int32_t>(c * outputs.size());
+    if (drives && !is_copy) driven_.push_back(layout.address[c]);
   }
   for (const Output& o : wanted_outputs(system)) {
     const auto first = static_cast<std::int32_t>(3 * dimension_.size());

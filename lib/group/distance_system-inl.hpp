@@ -9,7 +9,7 @@
 #define ASSUR_DISTANCE_SYSTEM_INL
 #endif
 
-#include "group/gather-inl.hpp"
+#include "equations/gather-inl.hpp"
 #include "group/small_algebra-inl.hpp"
 
 #include <algorithm>

@@ -5,7 +5,7 @@
 
 #include "group/pack_kernels.hpp"
 
-#include "group/gather-inl.hpp"
+#include "equations/gather-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace assur::HWY_NAMESPACE {

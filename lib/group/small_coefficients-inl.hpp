@@ -7,7 +7,7 @@
 #define ASSUR_SMALL_COEFFICIENTS_INL
 #endif
 
-#include "group/gather-inl.hpp"
+#include "equations/gather-inl.hpp"
 #include "group/small_algebra-inl.hpp"
 
 #include <algorithm>

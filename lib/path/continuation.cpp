@@ -35,7 +35,8 @@ Continuation::Continuation(const Prepared& prepared, const StepLimits& limits, R
       packs_(layout_.packs),
       levels_(prepared, layout_, limits.pin_to),
       angles_together_(angles_together(system_, structure_)) {
-  if (prepared.plan.run.together && !packs_.empty()) together_ = std::make_unique<Together>(prepared, layout_, levels_.team());
+  if (prepared.plan.run.together && !packs_.empty())
+    together_ = std::make_unique<Together>(prepared, layout_, levels_.team());
   state_.resize(layout_.first_unknown, layout_.size, prepared.plan.run.predictor);
   if (!structure_.watch_class.equations.empty()) {
     watch_.emplace(system_, structure_, layout_.address);
@@ -312,6 +313,7 @@ Status Continuation::check_watched(double t, Attempt::Branch branch, double left
 
 // Beyond zero, a driver's equations would hold half a turn away from its law.
 Status Continuation::check_levers(std::size_t begin, std::size_t end, double seconds) {
+  if (begin == end) return {};
   const double* const from[3] = {state_.accepted(0), state_.accepted(1), state_.accepted(2)};
   const double* const to[3] = {state_.at(0), state_.at(1), state_.at(2)};
   const Lever* const l = vanished(std::span(levers_).subspan(begin, end - begin), from, to, seconds);

@@ -32,6 +32,15 @@ std::vector<Pack> fill_packs(const Structure& structure, const std::vector<std::
   return packs;
 }
 
+// Coordinates that are driven as copies of others have their addresses.
+void share_addresses(const System& system, std::vector<std::int32_t>& address) {
+  for (const Assignment& a : system.assignments) {
+    const std::span<const Term> terms = system.form(a.form);
+    if (terms.size() != 1 || terms[0].constant != kPlus || terms[0].coordinate == kOne) continue;
+    address[idx(a.coordinate)] = address[idx(terms[0].coordinate)];
+  }
+}
+
 // For each input: how the addresses of the lanes follow each other.
 std::vector<InputRow> input_rows(const std::vector<std::int32_t>& addresses, std::size_t count, std::size_t lanes) {
   std::vector<InputRow> rows(count);
@@ -89,6 +98,7 @@ Layout lay_out(const Prepared& prepared) {
     if (system.coordinates[c].role != Role::unknown) out.address[c] = static_cast<std::int32_t>(c);
   }
   for (const std::int32_t c : structure.static_coordinates) out.address[idx(c)] = c;
+  share_addresses(system, out.address);
   out.first_unknown = out.size = lane_place(system.coordinates.size(), idx(kMostLanes));
   std::vector<std::size_t> order(out.packs.size());
   std::iota(order.begin(), order.end(), 0);
@@ -139,6 +149,7 @@ Layout lay_out_side_by_side(const Prepared& prepared, int lanes) {
     if (system.coordinates[c].role != Role::unknown) out.address[c] = static_cast<std::int32_t>(c * w);
   }
   for (const std::int32_t c : structure.static_coordinates) out.address[idx(c)] = c * lanes;
+  share_addresses(system, out.address);
   out.first_unknown = out.size = lane_place(system.coordinates.size() * w, w);
   std::vector<std::int32_t> each(w);
   std::iota(each.begin(), each.end(), 0);

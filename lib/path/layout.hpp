@@ -1,5 +1,5 @@
-// Layout of the state arrays: known and static coordinates first, each at its own index; then the unknowns of the packs
-// as [pack][coordinate][lane].
+// Layout of the state arrays: known and static coordinates first, each at its own index, or at the index of the one
+// that it copies; then the unknowns of the packs as [pack][coordinate][lane].
 #pragma once
 
 #include <cstdint>

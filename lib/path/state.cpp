@@ -64,10 +64,11 @@ State::Prediction State::begin_prediction(double t) {
   Prediction out;
   std::int32_t count = 0;
   for (std::size_t p = 0; p < static_cast<std::size_t>(w.postures); ++p) {
+    const std::size_t place = rings_[0].place(last() + p);  // derivatives that are read lie in the same places
     for (int d = 0; d < levels_; ++d) {
       const double weight = w.weight[p][static_cast<std::size_t>(d)];
       if (weight == 0) continue;
-      out.sources[count] = ring(d).at(last() + p) + first_unknown_;
+      out.sources[count] = ring(d).postures[place].data() + first_unknown_;
       out.weights[count++] = weight;
     }
   }

@@ -90,7 +90,8 @@ Tile::Tile(const Prepared& prepared, const StepLimits& limits)
   if (!system.bounds.empty()) LimitWatch(system, layout_.address).mark(read);
   for (const std::int32_t c : structure_->watch.inputs) read[idx(layout_.address[idx(c)])] = 1;
   for (std::size_t c = 0; c < needed.size(); ++c) {
-    needed[c] = layout_.address[c] >= 0 ? read[idx(layout_.address[c])] : std::uint8_t{0};
+    const auto own = static_cast<std::int32_t>(c) * lanes_;  // address, unless it is a copy
+    needed[c] = layout_.address[c] == own ? read[idx(own)] : std::uint8_t{0};
   }
   driven_ = driven_behind(system, std::move(needed));
   for (const Index i : driven_.inputs) {

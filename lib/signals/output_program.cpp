@@ -2,15 +2,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <numbers>
 #include <utility>
 
+#include "index.hpp"
 #include "numbers.hpp"
 #include "signals/dual.hpp"
 
 namespace assur {
 namespace {
+
+constexpr std::size_t kLeastInRow = 4;    // fewer forms are evaluated one by one
+constexpr std::ptrdiff_t kOpenRows = 16;  // rows that wait for their next form
 
 template <class T>
 std::span<const T> share(const std::vector<T>& list, std::size_t part, std::size_t parts) {
@@ -23,6 +28,8 @@ std::span<const T> share(const std::vector<T>& list, std::size_t part, std::size
 
 void OutputProgram::bind(const System& s, std::span<const std::int32_t> address, const std::vector<Output>& outputs) {
   dimension_ = s.dimension;
+  rows_.clear();
+  row_terms_.clear();
   motions_.clear();
   lines_.clear();
   sums_.clear();
@@ -78,13 +85,14 @@ void OutputProgram::add(const System& s, std::span<const std::int32_t> address, 
     sums_.push_back({begin, static_cast<std::int32_t>(sum_terms_.size()), column});
     return;
   }
-  Part part{m.kind, static_cast<std::int32_t>(form_start_.size()) - 1, 0, unit, column, -1};
+  Part part{m.kind, static_cast<std::int32_t>(form_start_.size()) - 1, 0, unit, column};
   for (const Index f : m.forms) {
     for (const Term& t : s.form(f)) terms_.push_back(term_at(t));
     form_start_.push_back(static_cast<std::int32_t>(terms_.size()));
   }
   part.forms_end = static_cast<std::int32_t>(form_start_.size()) - 1;
   const bool is_signed = m.kind == MeasureForms::Kind::absolute_angle || m.kind == MeasureForms::Kind::signed_angle;
+  if (is_signed) part.arm = add_arm(part, address[kOne]);
   if (is_signed && column[0] >= 0) {
     part.angle = static_cast<std::int32_t>(angles_.size());
     angles_.push_back(parts_.size());
@@ -107,15 +115,139 @@ bool OutputProgram::add_line(const System& s, std::span<const std::int32_t> addr
     line.address = address[static_cast<std::size_t>(t.coordinate)];
     line.factor = factor;
   }
-  const bool all = std::all_of(column.begin(), column.end(), [](std::int32_t c) { return c >= 0; });
-  (all ? motions_ : lines_).push_back(line);
+  if (std::all_of(column.begin(), column.end(), [](std::int32_t c) { return c >= 0; })) {
+    motions_.push_back({line.address, column[0], column[1] - column[0], line.factor, line.offset});
+  } else {
+    lines_.push_back(line);
+  }
   return true;
 }
 
-void OutputProgram::mark(std::vector<std::uint8_t>& addresses) const {
-  for (const auto* lines : {&motions_, &lines_}) {
-    for (const Line& l : *lines) addresses[static_cast<std::size_t>(l.address)] = 1;
+// An output with all derivatives that is linear in coordinates.
+struct OutputProgram::Form {
+  std::size_t number;  // among motions_, then sums_
+  std::int32_t column, step;
+  double offset;
+  std::vector<TermAt> terms;
+};
+
+// Forms whose terms read neighbouring numbers.
+struct OutputProgram::Neighbours {
+  std::vector<const Form*> forms;
+  std::vector<std::int32_t> apart;  // terms: from one form to the next; 0 to 3
+
+  // Adds the form if it is the next one.
+  bool take(const Form& form) {
+    const Form& last = *forms.back();
+    if (forms.size() == kFormLanes || form.terms.size() != last.terms.size() || form.step != last.step) return false;
+    std::vector<std::int32_t> steps;
+    for (std::size_t t = 0; t < form.terms.size(); ++t) {
+      steps.push_back(form.terms[t].address - last.terms[t].address);
+      if (steps.back() < 0 || steps.back() > 3) return false;
+    }
+    if (forms.size() > 1 && steps != apart) return false;
+    if (forms.size() == 1 && steps == std::vector{0}) return false;  // the same coordinate twice
+    apart = std::move(steps);
+    forms.push_back(&form);
+    return true;
   }
+  // False if there are too few forms, or if a vector would end behind the state.
+  [[nodiscard]] bool is_row(std::size_t size) const {
+    if (forms.size() < kLeastInRow) return false;
+    for (std::size_t t = 0; t < apart.size(); ++t) {
+      if (idx(forms[0]->terms[t].address + kFormLanes * apart[t]) > size) return false;
+    }
+    return true;
+  }
+};
+
+void OutputProgram::find_rows(std::size_t size) {
+  std::vector<Form> forms;
+  for (const Motion& m : motions_) forms.push_back({forms.size(), m.column, m.step, m.offset, {{m.address, m.factor}}});
+  for (std::size_t i = 0; i < sums_.size(); ++i) {
+    const Sum& s = sums_[i];
+    if (*std::min_element(s.column.begin(), s.column.end()) < 0) continue;
+    const auto terms = std::span(sum_terms_).subspan(idx(s.begin), idx(s.end - s.begin));
+    forms.push_back({motions_.size() + i, s.column[0], s.column[1] - s.column[0], 0, {terms.begin(), terms.end()}});
+  }
+  std::stable_sort(forms.begin(), forms.end(),
+                   [](const Form& a, const Form& b) { return a.terms[0].address < b.terms[0].address; });
+  std::vector<Neighbours> all;
+  for (const Form& form : forms) {
+    const auto oldest = std::ssize(all) < kOpenRows ? all.begin() : all.end() - kOpenRows;
+    if (std::none_of(oldest, all.end(), [&](Neighbours& n) { return n.take(form); })) all.push_back({{&form}, {}});
+  }
+  std::vector<std::uint8_t> in_row(motions_.size() + sums_.size(), 0);
+  for (const Neighbours& n : all) {
+    if (!n.is_row(size)) continue;
+    add_row(n);
+    for (const Form* f : n.forms) in_row[f->number] = 1;
+  }
+  const std::size_t motions = motions_.size();
+  std::erase_if(motions_, [&](const Motion& m) { return in_row[static_cast<std::size_t>(&m - motions_.data())] != 0; });
+  std::erase_if(sums_,
+                [&](const Sum& s) { return in_row[motions + static_cast<std::size_t>(&s - sums_.data())] != 0; });
+}
+
+void OutputProgram::add_row(const Neighbours& n) {
+  FormRow row{};
+  row.begin = static_cast<std::int32_t>(row_terms_.size());
+  row.count = static_cast<std::int32_t>(n.forms.size());
+  row.step = n.forms[0]->step;
+  for (std::size_t t = 0; t < n.apart.size(); ++t) {
+    using Kind = InputRow::Kind;
+    static constexpr Kind kKinds[] = {Kind::same, Kind::consecutive, Kind::every_second, Kind::every_third};
+    FormTerm term{{n.forms[0]->terms[t].address, kKinds[n.apart[t]]}, {}};
+    for (std::size_t l = 0; l < n.forms.size(); ++l) term.factor[l] = n.forms[l]->terms[t].factor;
+    row_terms_.push_back(term);
+  }
+  row.end = static_cast<std::int32_t>(row_terms_.size());
+  for (std::size_t l = 0; l < n.forms.size(); ++l) {
+    row.column[l] = n.forms[l]->column;
+    row.offset[l] = n.forms[l]->offset;
+  }
+  rows_.push_back(row);
+}
+
+std::int32_t OutputProgram::add_arm(const Part& part, std::int32_t one) {
+  if (part.kind == MeasureForms::Kind::absolute_angle) return part.forms_begin;
+  const std::int32_t count = dimension_;
+  double constant[9] = {};  // of the forms that are constants
+  bool is_constant[3] = {true, true, true};
+  for (std::int32_t f = 0; f < part.forms_end - part.forms_begin; ++f) {
+    for (const TermAt& t : terms_of(part.forms_begin + f)) {
+      is_constant[f / count] = is_constant[f / count] && t.address == one;
+      constant[f] += t.factor;
+    }
+  }
+  const bool from = is_constant[0], to = is_constant[1];
+  if (!is_constant[2] || from == to) return -1;
+  // The arm is linear in the other direction: its share of each of its components
+  ArmOf<double> share[3];
+  const std::int32_t moves = from ? count : 0;
+  for (std::int32_t k = 0; k < count; ++k) {
+    double forms[9];
+    std::copy(std::begin(constant), std::end(constant), forms);
+    for (std::int32_t i = 0; i < count; ++i) forms[moves + i] = i == k ? 1 : 0;
+    share[k] = arm_of<double>(part.kind, forms, dimension_);
+  }
+  const auto arm = static_cast<std::int32_t>(form_start_.size()) - 1;
+  for (const auto along : {&ArmOf<double>::x, &ArmOf<double>::y}) {
+    for (std::int32_t k = 0; k < count; ++k) {
+      const std::int32_t f = part.forms_begin + moves + k;
+      for (std::int32_t t = form_start_[idx(f)]; t < form_start_[idx(f) + 1]; ++t) {
+        const TermAt term = terms_[idx(t)];
+        if (share[k].*along != 0) terms_.push_back({term.address, term.factor * share[k].*along});
+      }
+    }
+    form_start_.push_back(static_cast<std::int32_t>(terms_.size()));
+  }
+  return arm;
+}
+
+void OutputProgram::mark(std::vector<std::uint8_t>& addresses) const {
+  for (const Motion& m : motions_) addresses[static_cast<std::size_t>(m.address)] = 1;
+  for (const Line& l : lines_) addresses[static_cast<std::size_t>(l.address)] = 1;
   for (const TermAt& t : terms_) addresses[static_cast<std::size_t>(t.address)] = 1;
   for (const TermAt& t : sum_terms_) addresses[static_cast<std::size_t>(t.address)] = 1;
 }
@@ -133,9 +265,9 @@ void OutputProgram::arm(std::size_t i, const double* q, double& x, double& y) co
     for (const TermAt& t : terms_of(form)) value += t.factor * q[t.address];
     return value;
   };
-  if (part.kind == MeasureForms::Kind::absolute_angle) {
-    x = value_of(part.forms_begin);
-    y = value_of(part.forms_begin + 1);
+  if (part.arm >= 0) {
+    x = value_of(part.arm);
+    y = value_of(part.arm + 1);
     return;
   }
   double forms[9];  // of two directions and, in space, the axis
@@ -178,9 +310,7 @@ OutputProgram::Measured OutputProgram::evaluate(const Part& measure, const doubl
   const auto angle_of = [](const Jet<double>& x, const Jet<double>& y) {
     return Measured{atan2(y, x), x.value * x.value + y.value * y.value};
   };
-  if (measure.kind == MeasureForms::Kind::absolute_angle) {
-    return angle_of(jet_of(measure.forms_begin, state), jet_of(measure.forms_begin + 1, state));
-  }
+  if (measure.arm >= 0) return angle_of(jet_of(measure.arm, state), jet_of(measure.arm + 1, state));
   Jet<double> forms[9];
   evaluate_forms(measure, state, forms);
   if (measure.kind == MeasureForms::Kind::signed_angle) {
@@ -234,10 +364,14 @@ void OutputProgram::add_up(double* out, double constant) const {
 // constant: factor of the offsets.
 void OutputProgram::evaluate_linear(const double* const (&state)[3], double* out, double constant, std::size_t part,
                                     std::size_t parts) const {
-  for (const Line& l : share(motions_, part, parts)) {
-    out[l.column[0]] = constant * l.offset + l.factor * state[0][l.address];
-    out[l.column[1]] = l.factor * state[1][l.address];
-    out[l.column[2]] = l.factor * state[2][l.address];
+  if (!rows_.empty()) evaluate_rows_(share(rows_, part, parts), row_terms_.data(), state, constant, out);
+  const double *const q = state[0], *const rate = state[1], *const acceleration = state[2];
+  for (const Motion& m : share(motions_, part, parts)) {
+    const std::size_t at = idx(m.address), step = idx(m.step);
+    double* const to = out + m.column;
+    to[0] = constant * m.offset + m.factor * q[at];
+    to[step] = m.factor * rate[at];
+    to[2 * step] = m.factor * acceleration[at];
   }
   for (const Line& l : share(lines_, part, parts)) {
     for (std::size_t d = 0; d < 3; ++d) {

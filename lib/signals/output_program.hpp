@@ -9,6 +9,7 @@
 #include "scene/jet.hpp"
 #include "scene/outputs.hpp"
 #include "scene/system.hpp"
+#include "signals/form_kernels.hpp"
 #include "signals/orientation.hpp"
 #include "signals/random_sign.hpp"
 
@@ -123,6 +124,11 @@ class OutputProgram {
     bind(system, address, wanted_outputs(system));
   }
 
+  // Evaluates outputs side by side that read neighbouring numbers of the state, as the lanes of a pack are. To be
+  // called after mark(); bind() returns to one output after the other. size: of the state.
+  void find_rows(std::size_t size);
+  [[nodiscard]] std::size_t rows() const { return rows_.size(); }
+
   // Columns of signed angles, which are unwrapped along a run.
   [[nodiscard]] std::vector<std::size_t> angles() const;
   // The i-th of angles() is atan2(y, x) at a posture.
@@ -158,9 +164,16 @@ class OutputProgram {
     std::int32_t forms_begin, forms_end;
     double unit;
     std::array<std::int32_t, 3> column;  // of value, rate, acceleration; -1: not wanted
-    std::int32_t angle;                  // index into angles(); -1: none
+    std::int32_t angle = -1;             // index into angles(); -1: none
+    std::int32_t arm = -1;               // a signed angle is atan2 of the forms arm + 1 and arm; -1: of products
   };
-  // An output that is linear in one coordinate, in SI units: offset + factor * coordinate.
+  // An output with all derivatives that is linear in one coordinate, in SI units: offset + factor * coordinate.
+  struct Motion {
+    std::int32_t address, column;  // column of the value
+    std::int32_t step;             // from there to the rate, and to the acceleration
+    double factor, offset;
+  };
+  // The same with some of the derivatives.
   struct Line {
     std::int32_t address;
     std::array<std::int32_t, 3> column;  // of value, rate, acceleration; -1: not wanted
@@ -172,6 +185,9 @@ class OutputProgram {
     std::array<std::int32_t, 3> column;  // -1: not wanted
   };
   void bind(const System& system, std::span<const std::int32_t> address, const std::vector<Output>& outputs);
+  struct Form;
+  struct Neighbours;
+  void add_row(const Neighbours& neighbours);
   void evaluate_linear(const double* const (&state)[3], double* out, double constant, std::size_t part,
                        std::size_t parts) const;
   void evaluate_forms(const Part& measure, const double* const (&state)[3], Jet<double> (&forms)[9]) const;
@@ -187,6 +203,9 @@ class OutputProgram {
   }
   void add(const System& system, std::span<const std::int32_t> address, const OutputPart& part,
            const std::array<std::int32_t, 3>& column);
+  // Part::arm of a signed angle. Adds the two forms if one direction, and in space the axis, is constant. one: address
+  // of the constant 1.
+  [[nodiscard]] std::int32_t add_arm(const Part& part, std::int32_t one);
   // False if more than one coordinate takes part.
   bool add_line(const System& system, std::span<const std::int32_t> address, Index form, double unit,
                 const std::array<std::int32_t, 3>& column);
@@ -203,11 +222,14 @@ class OutputProgram {
   };
   void add_up(double* out, double constant) const;
 
+  EvaluateForms evaluate_rows_ = assur::evaluate_forms();
   int dimension_ = 2;
   std::vector<Total> totals_;
   std::vector<TotalTerm> total_terms_;
-  std::vector<Line> motions_;  // value, rate and acceleration wanted
-  std::vector<Line> lines_;    // not all of them
+  std::vector<FormRow> rows_;
+  std::vector<FormTerm> row_terms_;
+  std::vector<Motion> motions_;
+  std::vector<Line> lines_;
   std::vector<Sum> sums_;
   std::vector<TermAt> sum_terms_;
   std::vector<TermAt> terms_;

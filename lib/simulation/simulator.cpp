@@ -75,6 +75,7 @@ struct Simulator::Impl {
         functions(structure, system, motion.layout().address) {
     std::vector<std::uint8_t> read(motion.layout().size, 0);
     outputs.mark(read);
+    outputs.find_rows(motion.layout().size);
     motion.keep_what_is_read(std::move(read));
     motion.follow(turns);
     row.resize(columns.size());

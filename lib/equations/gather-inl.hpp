@@ -7,8 +7,8 @@
 #define ASSUR_GATHER_INL
 #endif
 
+#include "equations/input_row.hpp"
 #include "equations/lane_vector-inl.hpp"
-#include "group/pack_kernels.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace assur::HWY_NAMESPACE {
