@@ -1,4 +1,5 @@
 // Includes all headers of assur, the library for the kinematic analysis of multibody systems by group equations.
+// Functions may be called by several threads at once, objects by one thread at a time, unless their comment says more.
 #pragma once
 
 #include "assur/backend.hpp"       // IWYU pragma: export

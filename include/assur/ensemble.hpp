@@ -20,7 +20,7 @@ namespace assur {
 // Members are counted from 0. Indices are not checked. Copies share the values; spans are valid as long as one exists.
 class EnsembleTrajectory {
  public:
-  // Names of the outputs: "C.x", "C.vx", "angle.rate", ...
+  // Names of the outputs: "C.x", "C.vx", "angle.rate", ... (docs/scenes.md lists all kinds)
   [[nodiscard]] const std::vector<std::string>& columns() const { return columns_; }
   // Times of the rows, s; the same for all members.
   [[nodiscard]] const std::vector<double>& times() const { return times_; }
@@ -73,14 +73,13 @@ class Ensemble {
 
   // `member` prepares the i-th variant, i = 0, 1, ...; the constructor calls it in this order on the calling thread. An
   // Error of kind input or numerical that it throws becomes the outcome of that member; if no member can be prepared,
-  // the constructor throws the first of these errors. In an ensemble, controlled drivers follow their laws. The first
-  // member that can be prepared gives the plan: W members (SolverSettings::lanes) run in the lanes of a pack, and P
-  // threads (RunSettings::threads) take packs in turn.
-  // Members with another structure or start time run alone, over the same times: a member with another start time first
-  // moves from its own start posture to the first of these times. Members with callbacks run alone as well, unless they
-  // are copies of one Prepared. A member whose outputs differ from those of the first cannot take part. Throws Error:
-  // input for no members, for limits as in Simulator, and for a deadline among them; environment if a backend of the
-  // plan cannot run here.
+  // the constructor throws the first of these errors. Other exceptions propagate. In an ensemble, controlled drivers
+  // follow their laws. The first member that can be prepared gives the plan: W members (Plan::lanes) run in the lanes
+  // of a pack, and P threads (RunSettings::threads) take packs in turn. Members with another structure or start time
+  // run alone, over the same times: a member with another start time first moves from its own start posture to the
+  // first of these times. Members with callbacks run alone as well, unless they are copies of one Prepared. A member
+  // whose outputs differ from those of the first cannot take part. Throws Error: input for no members, for limits as in
+  // Simulator, and for a deadline among them; environment if a backend of the plan cannot run here.
   Ensemble(std::size_t members, const std::function<Prepared(std::size_t)>& member, StepLimits limits = {});
   Ensemble(Ensemble&&) noexcept;             // the other ensemble may then only be destroyed or assigned to
   Ensemble& operator=(Ensemble&&) noexcept;  // the other ensemble may then only be destroyed or assigned to
@@ -99,8 +98,9 @@ class Ensemble {
   // Number of members, including those that cannot start.
   [[nodiscard]] std::size_t members() const;
   [[nodiscard]] const Prepared& prepared() const;  // the first member that could be prepared; with one chunk
-  // The last run: sums and largest errors of all members. The status is that of the first member that failed, else of
-  // the first inaccurate one; its place is that member. `reached` is the smallest of all members.
+  // The last run: sums and largest errors of all members; before the first run it is empty. The status is that of the
+  // first member that failed, else of the first inaccurate one; its place is that member. `reached` is the smallest of
+  // all members.
   [[nodiscard]] const Report& report() const;
   // The last run: the end of each member. Empty before the first run.
   [[nodiscard]] const std::vector<Outcome>& outcomes() const;

@@ -26,7 +26,7 @@ struct AssemblyMode {
 
 // All modes of one group, at the start posture of the groups that it depends on.
 struct AssemblyModes {
-  std::string group;                  // name, as in Structure::groups
+  std::string group;                  // name, as in Structure::groups of the formulation `groups`
   std::vector<std::string> unknowns;  // names of scalars: "C.x", "slide.lambda"
   // The start posture first if `has_start`; the others ascend by the values of the unknowns. Mirror images of a body
   // that the equations of the scene allow are modes, too.
@@ -60,9 +60,10 @@ struct ModeChoice {
 
 // The modes of all groups, in solving order, also of those that no output needs. Groups that are too large, or have
 // equations of functions or gears, have AssemblyModes::why_none. `chosen`: modes of groups; groups that depend on them
-// are assembled anew from their guess, and their modes are counted there. Throws Error: input if the scene is
-// undetermined or a choice is wrong; numerical if the scene has contradictory equations. A start posture that cannot be
-// assembled is not an error: AssemblyModes::has_start is false for the group at which it fails.
+// are assembled anew from their guess, and an index of their modes counts in the list that this function returns with
+// the choices for earlier groups. Throws Error: input if the scene is undetermined or a choice is wrong; numerical if
+// the scene has contradictory equations. A start posture that cannot be assembled is not an error:
+// AssemblyModes::has_start is false for the group at which it fails.
 [[nodiscard]] std::vector<AssemblyModes> assembly_modes(const Scene& scene, const std::vector<ModeChoice>& chosen = {});
 
 // The modes of one group, given by its name or by a point, vector or scalar that it solves. Throws as above, and Error

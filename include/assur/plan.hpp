@@ -17,7 +17,8 @@
 
 namespace assur {
 
-// The solvers of a run: one choice for each class of a structure.
+// The solvers of a run: one choice for each class of a structure. At most Choice::threads packs of a class, at most
+// level_threads packs of a level, and never more than run.threads packs are solved at once.
 struct Plan {
   // The solver of one class.
   struct Choice {
@@ -71,7 +72,8 @@ struct PrepareOptions {
   double accuracy = 0;
 };
 
-// A scene that is ready to run. Any number of simulators may share its parts, which do not change.
+// A scene that is ready to run, as prepare() or load_plan() returns it. Any number of simulators may share its parts,
+// which do not change. Of its members only `time` may be changed; simulators do not check the others again.
 struct Prepared {
   std::shared_ptr<const Scene> scene;               // null if load_plan() made it
   std::string name;                                 // name of the scene
@@ -98,8 +100,9 @@ struct Prepared {
 
 // A strategy with its expected time.
 struct Candidate {
-  Strategy strategy;              // the strategy
-  double expected_seconds = 0;    // time to solve all groups, or matrices, once
+  Strategy strategy;  // the strategy
+  // s: of groups one step with all derivatives that are needed, of matrices one factorisation and its solutions
+  double expected_seconds = 0;
   double factor = 1;              // with probability 2/3 the time is within this factor of expected_seconds
   Origin origin = Origin::prior;  // evidence for the expected time
   std::string why_not;            // reason why it cannot run here or is too inaccurate; "": it can be used
@@ -120,9 +123,10 @@ struct CandidateOptions {
 [[nodiscard]] std::vector<Candidate> candidates(const Shape& shape, const CandidateOptions& options = {});
 
 // Chooses a solver for systems of your own: `count` matrices with one pattern, each factorised once and solved with
-// `rhs` right-hand sides. Returns the first of candidates(): use its backend, W, precision and threads. Throws Error:
-// input for fewer than one matrix or a negative number of right-hand sides, environment if no backend can run. Needs
-// the library assur::assur.
+// `rhs` right-hand sides. Returns the first of candidates(): strategy.solver has the backend, W, the precision and the
+// threads Q for Backend::make(), and strategy.run.threads is P, the packs to solve at once. Throws Error: input for
+// fewer than one matrix or a negative number of right-hand sides, environment if no backend can run. Needs the library
+// assur::assur.
 [[nodiscard]] Candidate choose_solver(const Pattern& pattern, std::int32_t count, std::int32_t rhs = 1,
                                       const CandidateOptions& options = {});
 

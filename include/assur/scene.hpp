@@ -1,4 +1,6 @@
 // Scenes, the input of the library: mechanism, drivers, wanted outputs and time grid. Units are SI, angles are in rad.
+// The posture as written consists of the points, vectors and joints exactly as they are given; it need not satisfy the
+// constraints. The start posture is assembled from it.
 // A Scene is read from a file, made by name (a sample), or built in C++ with SceneBuilder. docs/scenes.md shows the
 // format by examples. The functions in this header need the library assur::assur.
 #pragma once
@@ -47,7 +49,8 @@ struct Vector {
 struct Member {
   std::string name;  // unique, see Point
   Triple local{};    // coordinates in the frame of the body: m for points; a vector is normalised by build()
-  // True: `local` holds ground coordinates of the posture as written; build() converts them.
+  // True: `local` holds ground coordinates of the posture as written; build() converts them. Without effect for bodies
+  // without a base, whose members always have ground coordinates.
   bool in_ground = false;
 };
 

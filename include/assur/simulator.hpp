@@ -1,6 +1,7 @@
-// The simulator: runs a plan, and owns all memory that this needs. After construction, step() allocates no memory,
-// takes no lock and reads no file, if the backends are marked `steady` and the step has no numerical event in the
-// report. step() throws only what laws and callbacks throw.
+// The simulator: runs a plan, and owns all memory that this needs. After construction, step(), set(), output() and
+// outputs() allocate no memory, take no lock and read no file, if the backends are marked `steady`. Exceptions are
+// steps that add an event to the report, and those that choose redundant equations anew (docs/control.md). step()
+// throws only what laws and callbacks throw.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +22,7 @@ namespace assur {
 // Results of a run in SI units, contiguous [time][output]. Indices of rows and columns are not checked.
 class Trajectory {
  public:
-  // Names of the outputs: "C.x", "C.vx", "angle.rate", ...
+  // Names of the outputs: "C.x", "C.vx", "angle.rate", ... (docs/scenes.md lists all kinds)
   [[nodiscard]] const std::vector<std::string>& columns() const { return columns_; }
   // Times of the rows, s.
   [[nodiscard]] const std::vector<double>& times() const { return times_; }
@@ -55,13 +56,13 @@ void write_csv(std::ostream& out, const Trajectory& trajectory);
 
 // Limits of one step, e.g. for a control loop.
 struct StepLimits {
-  // Exactly this many Newton iterations for each group behind the first level and each part of a divided step, without
-  // a test of convergence (the variant tEnd2 of the paper that docs/method.md names): the estimated error shows whether
-  // they were enough. 0: as many as convergence needs.
+  // Exactly this many Newton iterations for each group that depends on other groups and each part of a divided step,
+  // without a test of convergence: the estimated error shows whether they were enough. Groups that depend on no other
+  // group iterate until they converge. 0: all groups do.
   int iterations = 0;
   int most_iterations = 12;  // a step is halved if a group needs more; at least 1; for groups whose number is not fixed
-  // s, time limit of one try of a step: Code::deadline; 0: none. Checked before each pack; with +together only once,
-  // before all groups.
+  // s, time limit of one try of a step, also within run(): Code::deadline; 0: none. Checked before each pack; with
+  // +together only once, before all groups.
   double seconds = 0;
   // Processors to pin threads to (Machine::cores), one for each of the P threads (RunSettings::threads); without effect
   // if P = 1. The calling thread is pinned during a call only. Pinned threads busy-wait within a step, so use dedicated
@@ -137,22 +138,23 @@ class Simulator {
   // propagate, and leave the last good posture as well.
   Status step(double t);
 
-  // Sets the target of a controlled driver for the next step: value, rate and acceleration in SI units, absolute even
-  // if the laws are relative. The coordinate of a joint counts from the posture as written. Angles are not wrapped: a
-  // driver at 62.8 rad whose target is 0 turns back ten times. `driver` names a driver of an angle, distance or
-  // coordinate, or one value of a pose, whose rotation is Rz(psi) Ry(theta) Rx(phi): "pose.x", "pose.y", "pose.z",
-  // "pose.psi", "pose.theta", "pose.phi" in space, "pose.x", "pose.y", "pose.angle" in the plane, where "pose" is the
-  // name of the driver. Values of a pose that are not set follow their laws. On the way the driver follows the
-  // polynomial of degree 5 through value, rate and acceleration at both ends. A later step without a target ends at
-  // rest, at the value that the driver has at its begin. Throws Error (input) if this is not a controlled driver. A
-  // number that is not finite lets the next step fail as not_finite, with an event that names the driver; all targets
-  // of that step are then dropped.
+  // Sets the target of a controlled driver (PrepareOptions::controlled) for the next step: value, rate and acceleration
+  // in SI units, absolute even if the laws are relative. The coordinate of a joint counts from the posture as written.
+  // Angles are not wrapped: a driver at 62.8 rad whose target is 0 turns back ten times. `driver` names a driver of an
+  // angle, distance or coordinate, or one value of a pose, whose rotation is Rz(psi) Ry(theta) Rx(phi): "pose.x",
+  // "pose.y", "pose.z", "pose.psi", "pose.theta", "pose.phi" in space, "pose.x", "pose.y", "pose.angle" in the plane,
+  // where "pose" is the name of the driver. Values of a pose that are not set follow their laws. On the way the driver
+  // follows the polynomial of degree 5 through value, rate and acceleration at both ends. A later step without a target
+  // ends at rest, at the value that the driver has at its begin. Throws Error (input) if this is not a controlled
+  // driver. A number that is not finite lets the next step fail as not_finite, with an event that names the driver; all
+  // targets of that step are then dropped.
   void set(std::string_view driver, double value, double rate = 0, double acceleration = 0);
 
   // Moves from time() by TimeGrid::step to the targets that were set, also beyond the end of the grid; other drivers
-  // follow their laws. Without a time grid it does nothing. A step that fails restores the state before it (as save()
-  // holds it, with time and rates) and drops its targets; status and events give the reason, and how far the mechanism
-  // could move. Near a limit a driver may overshoot: if a step fails while controlled drivers move, it is tried again,
+  // follow their laws. Without a time grid it does nothing: it returns ok, and targets wait. A step that fails restores
+  // the state before it (as save() holds it, with time and rates) and drops its targets; status and events give the
+  // reason, and how far the mechanism could move. An exception from a law or callback propagates and restores the
+  // state, too. Near a limit a driver may overshoot: if a step fails while controlled drivers move, it is tried again,
   // unless it ended as deadline or interrupted: all controlled drivers stop at once at the begin of the step, and move
   // from rest to the same targets. The second try has a deadline of its own. If it succeeds, the status is that of the
   // second try, and only Counters::rejected shows the first one.

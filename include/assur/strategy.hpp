@@ -61,7 +61,7 @@ struct RunSettings {
   // +together: the groups of all levels are linearised and factorised side by side, and only their coupling runs
   // through the levels; changes the last bits of the motion
   bool together = false;
-  Predictor predictor = {};                       // extrapolation to the next time
+  Predictor predictor = {};  // extrapolation to the next time
   std::int32_t chunks = 1;   // C: pieces of the time grid that run side by side; changes the last bits of the motion
   std::int32_t threads = 1;  // P: packs that are solved at once; the motion is bitwise identical for every P
 

@@ -133,8 +133,9 @@ struct Structure {
   std::int64_t derived = 0;      // scalars of body members, which are not unknowns
   std::int64_t equations = 0;    // scalar equations, including redundant ones
   std::int64_t eliminated = 0;   // unknowns that presolve eliminated
-  // Degrees of freedom without the drivers: unknowns less the rank of all equations but those of the drivers. The rank
-  // is the largest one at the postures that were examined. The turn of a rod about its own line does not count.
+  // Degrees of freedom without the drivers: the scalars that are then free, also those that drivers prescribe, less the
+  // rank of all equations but those of the drivers. The rank is the largest one at the postures that were examined. The
+  // turn of a rod about its own line does not count.
   std::int64_t mobility = 0;
   std::int64_t mobility_at_start = 0;     // the same with the rank at the start posture, which may be singular
   std::vector<std::string> undetermined;  // names of unknowns that the equations leave free
