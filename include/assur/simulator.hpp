@@ -185,6 +185,9 @@ class Simulator {
   // status. The simulator then stands at the last row, or after a failure at the last good posture, which may be later;
   // step() may go on from there. Exceptions from laws, callbacks and the observer propagate. Throws Error (environment)
   // if there is no memory for the rows.
+  //
+  // A large mechanism (tens of thousands of unknowns) that falls into independent parts is run part after part, without
+  // an observer; the last bits of its motion may then differ from those of single steps.
   Trajectory run(const Observer& observer = {});
   // The same over `times` (s). It first moves from the start posture to times[0], which may be any time. Equal times
   // give equal rows, and no times give no rows. Throws also Error (input) if they descend or are not finite.
@@ -242,8 +245,9 @@ struct ForwardError {
 [[nodiscard]] Certificate certify(const Simulator& simulator);
 
 // Proves each row of a trajectory; returns one certificate for each row. Repeats the steps one after the other. A row
-// that is not reproduced bit by bit gets no proof: it was computed in chunks, with other limits, or with drivers that
-// the program set. Throws Error as the function above and as Simulator. Needs the library assur::assur.
+// that is not reproduced bit by bit gets no proof: it was computed in chunks or part after part, with other limits, or
+// with drivers that the program set. Throws Error as the function above and as Simulator. Needs the library
+// assur::assur.
 [[nodiscard]] std::vector<Certificate> certify(const Prepared& prepared, const Trajectory& trajectory,
                                                StepLimits limits = {});
 

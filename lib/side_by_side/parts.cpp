@@ -266,6 +266,8 @@ Part Parts::cut(std::size_t p) {
   structure->levels = structure_.levels;
   Plan plan = whole_.plan;
   plan.choices.clear();
+  plan.run.threads = 1;
+  plan.level_threads.clear();
   std::vector<std::int32_t> new_class(structure_.classes.size(), -1);
   for (const std::int32_t g : contents.groups) {
     Group& group = structure->groups.emplace_back(structure_.groups[idx(g)]);

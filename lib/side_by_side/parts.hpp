@@ -14,7 +14,7 @@
 
 namespace assur {
 
-// One part as a mechanism of its own.
+// One part as a mechanism of its own, which runs on one thread.
 struct Part {
   Prepared prepared;
   std::vector<Index> coordinates;  // its coordinates in the system of the whole mechanism

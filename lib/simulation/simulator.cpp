@@ -1,7 +1,9 @@
 #include "assur/simulator.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <mutex>
 #include <optional>
 #include <utility>
 
@@ -9,6 +11,7 @@
 #include "group/step_rules.hpp"
 #include "index.hpp"
 #include "numbers.hpp"
+#include "parallel/team.hpp"
 #include "parallel/thread_state.hpp"
 #include "path/continuation.hpp"
 #include "path/function_check.hpp"
@@ -408,43 +411,50 @@ struct Simulator::Impl {
   // ---- independent parts
 
   // Runs each independent part over all times, so that its numbers stay in the cache, and then stands at the last
-  // posture. False: the mechanism has no such parts, or not every step of every part is an ordinary one; the run must
-  // then begin anew, step by step.
+  // posture. The P threads take parts in turn. False: the mechanism has no such parts, or not every step of every part
+  // is an ordinary one; the run must then begin anew, step by step.
   bool run_in_parts(std::span<const double> times, std::vector<double>& values) {
-    const bool usual = limits.seconds == 0 && !limits.stop && prepared.plan.run.threads == 1 &&
-                       prepared.plan.run.chunks <= 1 && prepared.plan.accuracy == 0;
+    const bool usual =
+        limits.seconds == 0 && !limits.stop && prepared.plan.run.chunks <= 1 && prepared.plan.accuracy == 0;
     std::size_t unknowns = 0;
     for (const Group& g : structure.groups) unknowns += g.unknowns.size();
     if (!usual || times.size() < 2 || unknowns < kWorthParts) return false;
     Parts parts(prepared, kUnknownsOfPart);
     if (parts.count() == 0) return false;
-    const std::size_t width = columns.size();
-    values.reserve(times.size() * width);
+    values.reserve(times.size() * columns.size());
     PagesAhead(values).reach(values.capacity());
-    values.resize(times.size() * width);
+    values.resize(times.size() * columns.size());
     std::vector<double> posture = structure.start;
     Totals totals;
     std::int64_t level_by_level = 0;
-    for (std::size_t p = 0; p < parts.count(); ++p) {
-      Part part = parts.cut(p);
-      Simulator alone(std::move(part.prepared), limits);
-      for (std::size_t k = 0; k < times.size(); ++k) {
-        if (!step_of_run(alone, times[k]).ok() || alone.impl_->began != nullptr) return false;
-        const double* const from = alone.impl_->row.data();
-        for (const auto& c : part.columns) std::copy_n(from + c.from, c.count, values.data() + k * width + c.to);
+    std::atomic<std::size_t> next = 0;
+    std::atomic<bool> ordinary = true;
+    std::mutex one_at_a_time;  // cuts parts and adds up
+    Team team(prepared.plan.run.threads, limits.pin_to);
+    team.run([&](int) {
+      for (std::size_t p; ordinary && (p = next++) < parts.count();) {
+        Part part = [&] {
+          const std::scoped_lock lock(one_at_a_time);
+          return parts.cut(p);
+        }();
+        Simulator alone(std::move(part.prepared), limits);
+        if (!alone.impl_->run_as_part(alone, part.columns, times, columns.size(), values.data())) {
+          ordinary = false;
+          return;
+        }
+        const std::scoped_lock lock(one_at_a_time);
+        const Report& of = alone.report();
+        totals.merge({of.counters, of.error, of.effort});
+        level_by_level += alone.impl_->motion.level_by_level();
+        const std::vector<double> reached = alone.impl_->motion.posture();
+        for (std::size_t c = 0; c < reached.size(); ++c) posture[idx(part.coordinates[c])] = reached[c];
       }
-      const Report& of = alone.report();
-      const Impl& impl = *alone.impl_;
-      if (!of.events.empty() || of.fallbacks.size() > impl.own_lines || of.counters.rejected > 0) return false;
-      totals.merge({of.counters, of.error, of.effort});
-      level_by_level += impl.motion.level_by_level();
-      const std::vector<double> reached = impl.motion.posture();
-      for (std::size_t c = 0; c < reached.size(); ++c) posture[idx(part.coordinates[c])] = reached[c];
-    }
+    });
+    if (!ordinary) return false;
     const double from = prepared.start_time.value_or(prepared.time.start);
     start(times.back(), posture);
     if (!doubt.ok()) return false;
-    stands_at(std::span(values).last(width));
+    stands_at(std::span(values).last(columns.size()));
     report = {};
     report.counters = totals.counters;
     report.counters.steps = static_cast<std::int64_t>(times.size()) - (times[0] == from ? 1 : 0);
@@ -453,6 +463,18 @@ struct Simulator::Impl {
     earlier_effort = totals.effort;
     motion.count_level_by_level_from(level_by_level);
     return true;
+  }
+
+  // Writes its columns of each row. False if a step is not an ordinary one.
+  bool run_as_part(Simulator& self, std::span<const Part::Columns> own, std::span<const double> times,
+                   std::size_t width, double* values) {
+    for (const double t : times) {
+      if (!step_of_run(self, t).ok() || began != nullptr) return false;
+      for (const auto& c : own) std::copy_n(row.data() + c.from, c.count, values + c.to);
+      values += width;
+    }
+    const Report& of = self.report();
+    return of.events.empty() && of.fallbacks.size() <= own_lines && of.counters.rejected == 0;
   }
 
   std::shared_ptr<const Prepared> owned;

@@ -111,5 +111,20 @@ TEST(Parts, ALongRunTakesThemOneByOne) {
   expect_same(parted.output("handle1_512"), whole.output("handle1_512"), "handle1_512");
 }
 
+TEST(Parts, TheMotionIsBitwiseEqualForEveryNumberOfThreads) {
+  const Scene scene = sample("stewart:platforms=512");
+  const std::vector<double> times = first_times(scene, 3);
+  std::vector<double> expected;
+  for (const std::string threads : {"1x1", "2x1", "3x1"}) {
+    const Prepared prepared = prepare(scene, {.strategy = "groups/lanes:8 " + threads, .budget = ThreadBudget{3}});
+    Simulator simulator(prepared);
+    const Trajectory motion = simulator.run(times);
+    ASSERT_EQ(motion.rows(), times.size());
+    if (expected.empty()) expected = motion.values();
+    EXPECT_TRUE(motion.values() == expected) << threads;
+    EXPECT_TRUE(simulator.report().status.ok());
+  }
+}
+
 }  // namespace
 }  // namespace assur
