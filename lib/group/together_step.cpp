@@ -409,8 +409,7 @@ class TogetherStepOf final : public TogetherStep {
 // A vector of rows at a time: within it each load is combined with the loads 1, 2, 4, ... rows before it, so that gains
 // are multiplied over one vector only. The last load is carried to the next vector.
 void complete_chain(const double* gains, double before, std::int32_t count, double* loads) {
-  using D = hn::CappedTag<double, kMostLanes>;
-  constexpr D d;
+  constexpr hn::CappedTag<double, 8> d;
   constexpr std::int32_t lanes = static_cast<std::int32_t>(hn::MaxLanes(d));
   std::int32_t i = 0;
   if constexpr (lanes > 2) {

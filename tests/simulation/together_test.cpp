@@ -5,10 +5,15 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <random>
+#include <vector>
 
 #include "backends/allocations.hpp"
 #include "equations/program.hpp"
 #include "equations/separable.hpp"
+#include "group/together_step.hpp"
+#include "index.hpp"
+#include "numbers.hpp"
 #include "scene/shipped_files.hpp"
 #include "simulation/conditions.hpp"
 #include "simulation/limited.hpp"
@@ -300,6 +305,38 @@ TEST(Together, IsRefusedWithTheReason) {
   says(refusal(chain, "irreducible/klu:8+together"), "needs the solver lanes without");
   says(refusal(chain, "irreducible/lanes:8+once+together"), "needs the solver lanes without");
   says(refusal(chain, "irreducible/lanes:2+together"), "takes 4, 8 or 16 lanes");
+}
+
+// Every count, against a loop in extended precision. A rounding of a load is at most epsilon times the sum of the
+// absolute values that were added up to it, for each of the few operations of a row.
+TEST(ChainOfLoads, AddsGainTimesTheLoadBefore) {
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> number(-1, 1);
+  for (const double largest_gain : {0.0, 0.5, 1.0, 3.0}) {
+    for (std::int32_t count = 0; count <= 40; ++count) {
+      std::vector<double> gains, loads;
+      for (std::int32_t i = 0; i < count; ++i) {
+        gains.push_back(largest_gain * number(random));
+        loads.push_back(number(random));
+      }
+      const double behind = number(random), before = number(random);
+      long double load = before, size = std::abs(before);
+      std::vector<long double> expected, sizes;
+      for (std::int32_t i = 0; i < count; ++i) {
+        load = loads[idx(i)] + static_cast<long double>(gains[idx(i)]) * load;
+        size = std::abs(loads[idx(i)]) + std::abs(static_cast<long double>(gains[idx(i)])) * size;
+        expected.push_back(load);
+        sizes.push_back(size);
+      }
+      loads.push_back(behind);
+      chain_of_loads()(gains.data(), before, count, loads.data());
+      for (std::int32_t i = 0; i < count; ++i) {
+        const auto error = std::abs(static_cast<long double>(loads[idx(i)]) - expected[idx(i)]);
+        EXPECT_LE(static_cast<double>(error / sizes[idx(i)]), 4 * (i + 1) * kEps) << i << " of " << count;
+      }
+      EXPECT_EQ(loads.back(), behind);
+    }
+  }
 }
 
 }  // namespace
