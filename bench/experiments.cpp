@@ -195,6 +195,28 @@ std::vector<Entry> legs(const Options& o) {
   return contest;
 }
 
+// Runs of increasing numbers of platforms, with the ends of their handles stored.
+std::vector<Entry> platforms(const Options& o) {
+  std::vector<Entry> contest;
+  for (int count = 8; count <= (o.quick ? 64 : 4096); count *= 8) {
+    const std::string text = "stewart:platforms=" + std::to_string(count) + ",steps=" + (o.quick ? "20" : "200");
+    std::vector<std::string> ends;
+    for (int p = 1; p <= count; ++p) {
+      for (const std::string& end : kHandleEnds) ends.push_back(end + "_" + std::to_string(p));
+    }
+    const Scene scene = sample(text).with_outputs(ends);
+    std::size_t alone = Entry::kItself;
+    for (const int p : o.counts()) {
+      const std::string strategy = "groups/lanes:8" + packs(p);
+      Entry run = row(text, strategy, alone, alone);
+      run.legs = 6 * count;
+      const std::size_t added = add(contest, std::move(run), [&] { return make_run(scene, {strategy, o.threads}); });
+      if (p == 1) alone = added;
+    }
+  }
+  return contest;
+}
+
 // Steps timed one by one, with free and with pinned threads.
 std::vector<Entry> pinned(const Options& o) {
   std::vector<Entry> contest;
@@ -247,6 +269,7 @@ constexpr Experiment kExperiments[] = {
     {"chunks", "chunks: one mechanism over a long time", chunks, Show::chunks},
     {"members", "members: many mechanisms; the first line of each scene is a single mechanism", members, Show::members},
     {"legs", "legs: cost of one leg", legs, Show::legs},
+    {"platforms", "platforms: cost of one leg in runs whose handle ends are stored", platforms, Show::legs},
     {"pinned", "pinned: single steps; slowdown relative to one unpinned thread", pinned, Show::single},
     {"crowd", "crowd: among busy processes; slowdown relative to the same run without them", crowd, Show::single},
 };

@@ -91,8 +91,8 @@ class Ensemble {
   // laws and callbacks. Exceptions from them and from the observer propagate. Throws Error (environment) if there is no
   // memory for the results.
   EnsembleTrajectory run(const Simulator::Observer& observer = {});
-  // The same over `times` (s), which begin with the start time. Throws also Error (input) if `times` are empty, begin
-  // at another time, descend, or are not finite.
+  // The same over `times` (s), which begin with prepared().time.start. Throws also Error (input) if `times` are empty,
+  // begin at another time, descend, or are not finite.
   EnsembleTrajectory run(std::span<const double> times, const Simulator::Observer& observer = {});
 
   // Number of members, including those that cannot start.

@@ -73,7 +73,8 @@ struct PrepareOptions {
 };
 
 // A scene that is ready to run, as prepare() or load_plan() returns it. Any number of simulators may share its parts,
-// which do not change. Of its members only `time` may be changed; simulators do not check the others again.
+// which do not change. Of its members only time.end and time.step may be changed; simulators do not check the others
+// again.
 struct Prepared {
   std::shared_ptr<const Scene> scene;               // null if load_plan() made it
   std::string name;                                 // name of the scene
@@ -105,7 +106,7 @@ struct Candidate {
   double expected_seconds = 0;
   double factor = 1;              // with probability 2/3 the time is within this factor of expected_seconds
   Origin origin = Origin::prior;  // evidence for the expected time
-  std::string why_not;            // reason why it cannot run here or is too inaccurate; "": it can be used
+  std::string why_not;            // reason why it cannot run here, or backward error above 1e-12; "": it can be used
 };
 
 // Options of candidates() and choose_solver().
@@ -117,9 +118,9 @@ struct CandidateOptions {
 
 // All candidates for shape.groups groups of one class, solved at the same time: the fastest first, and those that
 // cannot run last. If shape.terms is 0, the groups are bare matrices: each one is factorised once and solved with
-// shape.rhs right-hand sides. `auto` takes the first candidate; among candidates within 2 % of the fastest, the one
-// with the fewest threads comes first. Throws Error (input) if `without` names an unknown backend. Needs the library
-// assur::assur.
+// shape.rhs right-hand sides. In mode latency, `auto` without a required accuracy takes the first candidate; among
+// candidates within 2 % of the fastest, the one with the fewest threads comes first. Throws Error (input) if `without`
+// names an unknown backend. Needs the library assur::assur.
 [[nodiscard]] std::vector<Candidate> candidates(const Shape& shape, const CandidateOptions& options = {});
 
 // Chooses a solver for systems of your own: `count` matrices with one pattern, each factorised once and solved with

@@ -61,8 +61,8 @@ struct StepLimits {
   // group iterate until they converge. 0: all groups do.
   int iterations = 0;
   int most_iterations = 12;  // a step is halved if a group needs more; at least 1; for groups whose number is not fixed
-  // s, time limit of one try of a step, also within run(): Code::deadline; 0: none. Checked before each pack; with
-  // +together only once, before all groups.
+  // s, time limit of one try of a step, also within run(), which then uses no chunks: Code::deadline; 0: none. Checked
+  // before each pack; with +together only once, before all groups.
   double seconds = 0;
   // Processors to pin threads to (Machine::cores), one for each of the P threads (RunSettings::threads); without effect
   // if P = 1. The calling thread is pinned during a call only. Pinned threads busy-wait within a step, so use dedicated
@@ -86,8 +86,8 @@ struct GroupFigures {
 };
 
 // Saved state of a simulator, which determines its next steps: posture, rates, older postures for the prediction, turns
-// of angles, values that drivers were set to, the chosen set of redundant equations, and error estimates. A state may
-// outlive its simulator.
+// of angles, values that drivers were set to, targets that wait for the next step, the chosen set of redundant
+// equations, and error estimates. A state may outlive its simulator.
 class SimulatorState {
  public:
   SimulatorState();                                            // empty: Simulator::restore() refuses it
@@ -113,8 +113,9 @@ class SimulatorState {
 // thread may change. After a fork(), both processes may go on with those simulators that no thread was using at that
 // moment; in the child they start new threads.
 //
-// P threads (RunSettings::threads) solve P packs of a level, or P packs of chunks, at once. Then several threads call
-// callbacks at the same time, and with chunks also laws. The motion is bitwise identical for every P.
+// Single steps use no chunks. P threads (RunSettings::threads) solve P packs of a level, or P packs of chunks, at once.
+// Then several threads call callbacks at the same time, and with chunks also laws. The motion is bitwise identical for
+// every P.
 //
 // References and spans that a simulator returns are valid until its next call that is not const.
 class Simulator {
@@ -152,12 +153,13 @@ class Simulator {
 
   // Moves from time() by TimeGrid::step to the targets that were set, also beyond the end of the grid; other drivers
   // follow their laws. Without a time grid it does nothing: it returns ok, and targets wait. A step that fails restores
-  // the state before it (as save() holds it, with time and rates) and drops its targets; status and events give the
-  // reason, and how far the mechanism could move. An exception from a law or callback propagates and restores the
-  // state, too. Near a limit a driver may overshoot: if a step fails while controlled drivers move, it is tried again,
-  // unless it ended as deadline or interrupted: all controlled drivers stop at once at the begin of the step, and move
-  // from rest to the same targets. The second try has a deadline of its own. If it succeeds, the status is that of the
-  // second try, and only Counters::rejected shows the first one.
+  // the state before it (as save() holds it, with time and rates) and drops its targets: a driver whose first set() was
+  // for this step follows its law again; status and events give the reason, and how far the mechanism could move. An
+  // exception from a law or callback propagates and restores the state, too. Near a limit a driver may overshoot: if a
+  // step fails while controlled drivers move, it is tried again, unless it ended as deadline or interrupted: all
+  // controlled drivers stop at once at the begin of the step, and move from rest to the same targets. The second try
+  // has a deadline of its own. If it succeeds, the status is that of the second try, and only Counters::rejected shows
+  // the first one.
   Status step();
 
   // Saves the state. The same steps from it then follow bit by bit, in this simulator or in another one of the same
@@ -166,9 +168,9 @@ class Simulator {
   void save(SimulatorState& into);
   // Saves the state to a new object.
   [[nodiscard]] SimulatorState save();
-  // Returns to a saved state; the counters and events of the report continue. Throws Error (input) if the state is
-  // empty or belongs to another Prepared. A copy of a Prepared counts as the same; the result of another prepare() does
-  // not.
+  // Returns to a saved state, also to its targets; later targets are dropped. The counters and events of the report
+  // continue. Throws Error (input) if the state is empty or belongs to another Prepared. A copy of a Prepared counts as
+  // the same; the result of another prepare() does not.
   void restore(const SimulatorState& state);
 
   // Returns to the last posture that an undivided step reached, or to the start posture. From there a short step in any

@@ -197,6 +197,34 @@ TEST(Control, TheLawAppliesUntilTheFirstSet) {
   EXPECT_NEAR(s.output("B0.x"), 0.8 * std::cos(kOmega * s.time()), 8 * kEps);
 }
 
+TEST(Control, AFailedFirstCommandReturnsToTheLaw) {
+  const Scene scene = test::limited_four_bar(Law::polynomial({0.5, 1}))
+                          .measure("angle", AbsoluteAngle{"A0", "B"})
+                          .time(0, 1, 0.01)
+                          .build();
+  Simulator s = test::simulator(scene, "groups/eigen", {}, {"motor"});
+  s.set("motor", 2.5);
+  EXPECT_EQ(s.step().code, Code::limit_reached);
+  ASSERT_TRUE(s.step().ok());
+  EXPECT_NEAR(s.output("angle"), 0.5 + s.time(), 8 * kEps);
+}
+
+TEST(Control, SavedStatesHaveTheTargetsThatWait) {
+  Simulator s = test::simulator(sample("four_bar:step=0.01"), "auto", {}, {"motor"});
+  const SimulatorState without = s.save();
+  s.set("motor", 0.1);
+  const SimulatorState with = s.save();
+  for (int again = 0; again < 2; ++again) {
+    s.restore(with);
+    ASSERT_TRUE(s.step().ok());
+    EXPECT_NEAR(s.output("B0.x"), 0.8 * std::cos(0.1), 4 * kEps);
+    s.set("motor", 0.3);  // dropped by restore()
+    s.restore(without);
+    ASSERT_TRUE(s.step().ok());
+    EXPECT_NEAR(s.output("B0.x"), 0.8 * std::cos(kOmega * s.time()), 8 * kEps);
+  }
+}
+
 TEST(Control, DeadlineKeepsTheState) {
   Simulator s = test::simulator(sample("stewart"), "groups/eigen", {.seconds = 1e-9});
   const std::vector<double> before(s.outputs().begin(), s.outputs().end());
