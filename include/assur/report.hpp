@@ -46,8 +46,9 @@ struct ErrorFigures {
   std::optional<double> estimated_position = {};
   std::optional<double> estimated_velocity = {};      // of velocities
   std::optional<double> estimated_acceleration = {};  // of accelerations
-  // Largest radius of the certificates of the run, relative to the characteristic length. Simulators leave this figure
-  // and the next ones empty; the command fills them from certify() and forward_error().
+  // Largest radius of the certificates of the run, relative to the characteristic length (docs/accuracy.md;
+  // `assur inspect` prints it). Simulators leave this figure and the next ones empty; the command fills them from
+  // certify() and forward_error().
   std::optional<double> certified_radius = {};
   // True errors of the outputs against a reference in quadruple precision: for each output x (all components of a point
   // or vector together) the maximum over the steps of |x - x_ref|, divided by the maximum of |x_ref|. The divisor has a

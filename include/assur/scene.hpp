@@ -63,7 +63,8 @@ struct Member {
 //       left), or `origin` and `frame` of one vector
 //   `origin` alone: a body that only translates
 //   none: joints or `rigid` define the body, and build() chooses a base. Its members are given in ground coordinates
-// The body "ground" has no base; its members are fixed.
+// The entries of a base keep their distances and angles as written; a Distance between two points of the base gives
+// another distance. The body "ground" has no base; its members are fixed.
 struct Body {
   std::string name;                     // unique, see Point
   std::string origin = {};              // name of a point; "": none
