@@ -13,13 +13,15 @@ namespace assur::bench {
 namespace {
 
 constexpr int kMostWarm = 10;       // untimed first steps: they wake threads and fill caches
+constexpr double kShortRun = 0.02;  // s
 constexpr std::size_t kSample = 4;  // members that run one by one
 
 // Time since the construction of the object.
 class Stopwatch {
  public:
+  [[nodiscard]] double seconds() const { return measure::StepTimes::steady() - start_; }
   [[nodiscard]] Cost per(double steps) const {
-    return {(measure::StepTimes::steady() - start_) / steps, (processor_seconds() - processor_start_) / steps};
+    return {seconds() / steps, (processor_seconds() - processor_start_) / steps};
   }
 
  private:
@@ -73,10 +75,16 @@ class Run : public Contender {
  public:
   Run(const Scene& scene, const Prepare& prepare) : simulator_(prepared(scene, prepare)) {}
 
+  // Runs of a few milliseconds are repeated, so that the state of the caches before them does not count.
   Cost work() override {
+    trajectory_ = {};
     const Stopwatch watch;
-    trajectory_ = simulator_.run();
-    const Cost cost = watch.per(static_cast<double>(trajectory_.rows() - 1));
+    double runs = 0;
+    do {
+      trajectory_ = simulator_.run();
+      ++runs;
+    } while (watch.seconds() < kShortRun);
+    const Cost cost = watch.per(runs * static_cast<double>(trajectory_.rows() - 1));
     expect_ok(simulator_.report().status);
     for (const std::string& fallback : simulator_.report().fallbacks) {
       if (fallback.starts_with("no chunks")) throw Error(Error::Kind::numerical, fallback);

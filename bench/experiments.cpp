@@ -199,7 +199,7 @@ std::vector<Entry> legs(const Options& o) {
 std::vector<Entry> platforms(const Options& o) {
   std::vector<Entry> contest;
   for (int count = 8; count <= (o.quick ? 64 : 4096); count *= 8) {
-    const std::string text = "stewart:platforms=" + std::to_string(count) + ",steps=" + (o.quick ? "20" : "200");
+    const std::string text = "stewart:platforms=" + std::to_string(count) + ",steps=" + (o.quick ? "20" : "1000");
     std::vector<std::string> ends;
     for (int p = 1; p <= count; ++p) {
       for (const std::string& end : kHandleEnds) ends.push_back(end + "_" + std::to_string(p));

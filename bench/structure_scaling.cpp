@@ -78,8 +78,9 @@ StructureOptions options_for(Formulation formulation) {
 
 // One size of a family of scenes, with its measurements.
 struct Size {
-  std::string text;   // the sample
-  std::string file;   // the same as a file; "": no file is read
+  std::string text;  // the sample
+  std::string file;  // the same as a file; "": no file is read
+  std::string strategy = "groups/eigen";
   double groups = 0;  // as declared
   Figures read, build, as_groups, irreducible, step;
 
@@ -102,7 +103,7 @@ struct Size {
     const Scene scene = sample(text);
     forget_peak();
     const Heap before = heap();
-    Simulator simulator(prepare(scene, {"groups/eigen+predict=hermite:5", {}}));
+    Simulator simulator(prepare(scene, {strategy + "+predict=hermite:5", {}}));
     step.retained = static_cast<double>(heap().live - before.live);
     step.peak = static_cast<double>(heap().peak - before.live);
     for (int k = 1; k <= 2 * kSteps; ++k) {
@@ -151,12 +152,18 @@ void measure_all(std::vector<Size>& sizes, int rounds) {
 
 int run(int rounds, int largest) {
   describe_machine(std::cout);
-  std::vector<Size> chains, platforms;
+  std::vector<Size> chains, platforms, legs;
   for (const int loops : {100, 1000, 10000, 100000}) {
     if (loops <= largest) chains.emplace_back("four_bar:" + std::to_string(loops), four_bar_file(loops));
   }
   for (const int count : {15, 150, 1500, 10000}) {  // of 7 groups each
     if (7 * count <= 1.1 * largest) platforms.emplace_back("stewart:platforms=" + std::to_string(count));
+  }
+  for (const int count : {8, 64, 512, 4096}) {
+    if (6 * count > largest) continue;
+    Size& size = legs.emplace_back("stewart:platforms=" + std::to_string(count));
+    size.strategy = "groups/lanes:8";
+    size.groups = 6.0 * count;
   }
   measure_all(chains, rounds);
   measure_all(platforms, rounds);
@@ -170,6 +177,10 @@ int run(int rounds, int largest) {
     worst = std::max(worst, print("\nanalyze as irreducible", *sizes, &Size::irreducible));
     print("\nstep, groups/eigen+predict=hermite:5 (memory: the prepared simulator)", *sizes, &Size::step);
   }
+  for (int round = 0; round < rounds; ++round) {
+    for (Size& size : legs) size.measure_steps();
+  }
+  print("\nstep of a leg, groups/lanes:8+predict=hermite:5 (memory: the prepared simulator)", legs, &Size::step);
   const bool kept = worst <= kMostGrowth;
   std::printf("\nlargest growth of analysing: %.2f (%s %g)\n", worst, kept ? "at most" : "MORE than", kMostGrowth);
   return kept ? 0 : 1;

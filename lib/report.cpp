@@ -19,6 +19,7 @@ Counters& Counters::operator+=(const Counters& o) {
   factorized_unknowns += o.factorized_unknowns;
   solved_unknowns += o.solved_unknowns;
   branch_checks += o.branch_checks;
+  level_by_level += o.level_by_level;
   stored_values += o.stored_values;
   return *this;
 }

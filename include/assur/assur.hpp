@@ -1,5 +1,6 @@
 // Includes all headers of assur, the library for the kinematic analysis of multibody systems by group equations.
 // Functions may be called by several threads at once, objects by one thread at a time, unless their comment says more.
+// They are in the library assur::core, unless their comment or the head of their header names assur::assur.
 #pragma once
 
 #include "assur/backend.hpp"       // IWYU pragma: export

@@ -45,7 +45,8 @@ struct ThreadBudget {
   std::int32_t threads = 1;  // at least 1
 };
 
-// Arithmetic of the factors: double or float. Values and right-hand sides are double in both cases.
+// Arithmetic of the factors: double or float. Values and right-hand sides are double in both cases. Solutions with
+// factors in float have the accuracy of float; strategies with +float refine them.
 enum class Precision : std::uint8_t { binary64, binary32 };
 
 // Solve A x = b, or with the transposed matrix.
@@ -78,7 +79,7 @@ struct Effort {
   }
 };
 
-inline constexpr std::int32_t kMostLanes = 16;  // largest number of lanes; a power of two
+inline constexpr std::int32_t kMostLanes = 16;  // largest number of lanes
 
 // Direct solver for square systems with one sparsity pattern, for several lanes at once. Call analyze(), factorize()
 // and solve() in this order; another order is not detected. One thread at a time may use a solver. Values and
@@ -88,7 +89,8 @@ class LinearSolver {
   virtual ~LinearSolver() = default;
 
   // Prepares for matrices of this pattern; call it once, before factorize(). Returns ok: factorize() reports singular
-  // patterns. Throws Error (input) if the pattern is not as Pattern describes, or if `lanes` is out of range.
+  // patterns. lanes: a power of two up to kMostLanes. Throws Error (input) for other lanes, or if the pattern is not as
+  // Pattern describes.
   [[nodiscard]] virtual Status analyze(const Pattern& pattern, int lanes) = 0;
 
   // Factorises one matrix in each lane. values: nnz x lanes, in the order of pattern.row. The status is that of the

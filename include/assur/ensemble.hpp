@@ -51,7 +51,8 @@ class EnsembleTrajectory {
 };
 
 // Writes a CSV with the columns `member` (counted from 1), `t` and all outputs. Each number is the shortest text that
-// reads back as the same double; NaN is empty. Rows that a member did not reach are left out.
+// reads back as the same double; NaN is empty. Rows that a member did not reach are left out. If writing
+// fails, the state of `out` says so.
 void write_csv(std::ostream& out, const EnsembleTrajectory& trajectory);
 
 // Runs the members of an ensemble. Threads may use ensembles as they use simulators: each ensemble serves one thread at
@@ -77,9 +78,9 @@ class Ensemble {
   // follow their laws. The first member that can be prepared gives the plan: W members (Plan::lanes) run in the lanes
   // of a pack, and P threads (RunSettings::threads) take packs in turn. Members with another structure or start time
   // run alone, over the same times: a member with another start time first moves from its own start posture to the
-  // first of these times. Members with callbacks run alone as well, unless they are copies of one Prepared. A member
-  // whose outputs differ from those of the first cannot take part. Throws Error: input for no members, for limits as in
-  // Simulator, and for a deadline among them; environment if a backend of the plan cannot run here.
+  // first of these times. Members with callbacks or gears run alone as well, unless they are copies of one Prepared. A
+  // member whose outputs differ from those of the first cannot take part. Throws Error: input for no members, for
+  // limits as in Simulator, and for a deadline among them; environment if a backend of the plan cannot run here.
   Ensemble(std::size_t members, const std::function<Prepared(std::size_t)>& member, StepLimits limits = {});
   Ensemble(Ensemble&&) noexcept;             // the other ensemble may then only be destroyed or assigned to
   Ensemble& operator=(Ensemble&&) noexcept;  // the other ensemble may then only be destroyed or assigned to

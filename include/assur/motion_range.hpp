@@ -43,8 +43,9 @@ struct MotionRange {
 // Moves one driver both ways from the start posture of the scene, along the branch. farthest: the longest way to each
 // side, in the unit of the driver; 0: a whole turn of an angle, 10 characteristic lengths (docs/accuracy.md; each about
 // the length of a part) for a length, 2 pi for a component of a vector. A fold is bracketed to about 1e-12 rad, or
-// 1e-12 of the characteristic length. Throws Error: input if there is no such driver (a scene with one
-// driver needs no name: ""), or for a `farthest` that is negative or not finite; and like prepare() and Simulator.
+// 1e-12 of the characteristic length. Throws Error: input if there is no such driver (a scene with one driver needs no
+// name: ""), or for a `farthest` that is negative or not finite; and like prepare() and Simulator. Needs the library
+// assur::assur.
 [[nodiscard]] MotionRange motion_range(const Scene& scene, std::string_view driver = {}, double farthest = 0);
 
 }  // namespace assur

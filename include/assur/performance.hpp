@@ -1,5 +1,5 @@
 // Measurements of a machine, and the performance model: it predicts the time of a step by any strategy from measured
-// times of kernels.
+// times of kernels. The functions in this header need the library assur::assur.
 #pragma once
 
 #include <cstddef>
@@ -22,8 +22,8 @@ enum class Kernel : std::uint8_t {
   factor,    // one factorisation of W matrices
   solve,     // one solution of W systems, each with one right-hand side
   pack,      // one step of a pack (up to W groups of a class in SIMD lanes): position in one iteration, velocity and
-             // acceleration; if p > 1, while p threads do the same work; with +together a pack's share of such a step
-  meeting,   // p threads start together and wait for each other, after the first has worked alone for 5 us (included).
+             // acceleration; if P > 1, while P threads do the same work; with +together a pack's share of such a step
+  meeting,   // P threads start together and wait for each other, after the first has worked alone for 5 us (included).
              // Thread 0 passes shape.n doubles (in all) to the others, which change them and pass them back
   step,      // one step of a mechanism; only to compare with the sum of the other kernels
   around,    // the part of a step beyond its packs: laws, prediction, outputs. shape.n: unknowns of all groups;
@@ -75,8 +75,7 @@ struct Prediction {
 };
 
 // Predicts times on one machine. A model is immutable; any number of threads may use it, and copies share its data. The
-// order of the samples does not matter: the same samples make the same model, bit for bit. Needs the library
-// assur::assur.
+// order of the samples does not matter: the same samples make the same model, bit for bit.
 class PerformanceModel {
  public:
   PerformanceModel();  // without samples: all predictions are of origin `prior`
@@ -124,8 +123,7 @@ struct MachineModel {
 
 // The model of this machine from the tuning databases. The first call reads them, and the result is kept as long as the
 // process. The database is the file ASSUR_DB, or else that of the user and that of the installation (db/README.md); if
-// ASSUR_DB is set and empty, there is none. Unreadable or damaged files give messages, not errors. Never writes. Needs
-// the library assur::assur.
+// ASSUR_DB is set and empty, there is none. Unreadable or damaged files give messages, not errors. Never writes.
 [[nodiscard]] const MachineModel& machine_model();
 
 }  // namespace assur

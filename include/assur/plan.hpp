@@ -102,7 +102,8 @@ struct Prepared {
 // A strategy with its expected time.
 struct Candidate {
   Strategy strategy;  // the strategy
-  // s: of groups one step with all derivatives that are needed, of matrices one factorisation and its solutions
+  // s, for all shape.groups together: one step with all derivatives that are needed, or the factorisations of all
+  // matrices and their solutions
   double expected_seconds = 0;
   double factor = 1;              // with probability 2/3 the time is within this factor of expected_seconds
   Origin origin = Origin::prior;  // evidence for the expected time
@@ -117,17 +118,17 @@ struct CandidateOptions {
 };
 
 // All candidates for shape.groups groups of one class, solved at the same time: the fastest first, and those that
-// cannot run last. If shape.terms is 0, the groups are bare matrices: each one is factorised once and solved with
-// shape.rhs right-hand sides. In mode latency, `auto` without a required accuracy takes the first candidate; among
-// candidates within 2 % of the fastest, the one with the fewest threads comes first. Throws Error (input) if `without`
-// names an unknown backend. Needs the library assur::assur.
+// cannot run last. Plan::Choice::shape is the shape of a class of groups. If shape.terms is 0, the groups are bare
+// matrices: each one is factorised once and solved with shape.rhs right-hand sides. In mode latency, `auto` without a
+// required accuracy takes the first candidate; among candidates within 2 % of the fastest, the one with the fewest
+// threads comes first. Throws Error (input) if `without` names an unknown backend. Needs the library assur::assur.
 [[nodiscard]] std::vector<Candidate> candidates(const Shape& shape, const CandidateOptions& options = {});
 
 // Chooses a solver for systems of your own: `count` matrices with one pattern, each factorised once and solved with
-// `rhs` right-hand sides. Returns the first of candidates(): strategy.solver has the backend, W, the precision and the
-// threads Q for Backend::make(), and strategy.run.threads is P, the packs to solve at once. Throws Error: input for
-// fewer than one matrix or a negative number of right-hand sides, environment if no backend can run. Needs the library
-// assur::assur.
+// `rhs` right-hand sides. Returns the first of candidates() that factorises in double: strategy.solver has the backend,
+// W and the threads Q for Backend::make(), and strategy.run.threads is P, the packs to solve at once. Throws Error:
+// input for fewer than one matrix or a negative number of right-hand sides, environment if no backend can run. Needs
+// the library assur::assur.
 [[nodiscard]] Candidate choose_solver(const Pattern& pattern, std::int32_t count, std::int32_t rhs = 1,
                                       const CandidateOptions& options = {});
 

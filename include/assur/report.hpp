@@ -26,6 +26,7 @@ struct Counters {
   std::int64_t factorized_unknowns = 0;  // sum of the orders of these matrices
   std::int64_t solved_unknowns = 0;      // unknowns found by back-substitution, summed over right-hand sides
   std::int64_t branch_checks = 0;        // uniqueness balls that were measured
+  std::int64_t level_by_level = 0;       // attempts at a step that +together solved level after level
   std::int64_t stored_values = 0;        // doubles in the trajectory
 
   // Adds each counter; of most_iterations it takes the larger one.

@@ -18,8 +18,9 @@ void save_plan(std::ostream& out, const Prepared& prepared);
 // Options of load_plan().
 struct LoadOptions {
   std::span<const Backend> table = core_backends();  // backends that the plan may use; must outlive the plan
-  // Largest number of threads; empty: Machine::budget() of this machine. A plan for a larger P runs with fewer threads:
-  // its motion is the same bit by bit, and Plan::reason mentions the change. A plan with a larger Q is refused.
+  // Largest number of threads; empty: as Machine::budget() of this machine, found without assur::assur. A plan for a
+  // larger P runs with fewer threads: its motion is the same bit by bit, and Plan::reason mentions the change. A plan
+  // with a larger Q is refused.
   std::optional<ThreadBudget> budget = std::nullopt;
 };
 

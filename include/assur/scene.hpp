@@ -29,7 +29,7 @@ namespace assur {
 using Triple = std::array<double, 3>;  // x, y, z; in the plane z = 0, build() refuses another value
 
 // A point, whose coordinates are unknowns unless it is fixed or driven. Names consist of letters, digits and
-// underscores.
+// underscores, and do not begin with a digit.
 struct Point {
   std::string name;    // unique among points, vectors, bodies, joints, constraints, drivers, measures and groups
   Triple at{};         // m: position of a fixed point; else a first guess, which also gives lengths that are left out
@@ -58,10 +58,11 @@ struct Member {
 //   3D: `origin` and `frame` of three unit vectors u, v, w = u x v;
 //       `base` of a point and two entries, each a point or a vector, that are not on one line (local origin: the point;
 //       axes: x along the second entry, y in the plane of both towards the third, z = x cross y);
-//       or `base` of a point and one entry: all members are on one line, and the body may turn about it
+//       or `base` of a point and one entry: all members are on one line, the local x-axis, and the
+//       body may turn about it
 //   2D: `base` of a point and another point or a vector (local origin: the first; axes: x along the second, y to its
 //       left), or `origin` and `frame` of one vector
-//   `origin` alone: a body that only translates
+//   `origin` alone: a body that only translates; its local axes are those of the ground
 //   none: joints or `rigid` define the body, and build() chooses a base. Its members are given in ground coordinates
 // The entries of a base keep their distances and angles as written; a Distance between two points of the base gives
 // another distance. The body "ground" has no base; its members are fixed.
@@ -300,7 +301,9 @@ struct DrivenCoordinate {
 };
 // Drives a whole body.
 struct Pose {
-  std::string body;  // name of the body; if it has no origin or base, build() chooses its local origin and axes
+  // Name of the body. If it has no origin or base, build() chooses the local origin and axes that the laws move; its
+  // outputs are those of another frame, which lay on the ground's in the posture as written (docs/joints.md).
+  std::string body;
   // Ground coordinates of the local origin (the origin, or the first point of the base): 3 laws in space, 2 in the
   // plane; m
   std::vector<Law> translation;

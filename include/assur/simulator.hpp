@@ -133,14 +133,15 @@ class Simulator {
 
   // Moves to time t (s), which may be earlier than time(), and to the targets that were set, by continuation: the step
   // is divided where needed. If it fails, the status gives the reason, and the simulator keeps the last good posture on
-  // the way, at time(); targets are dropped, and controlled drivers rest there. Code::inaccurate is not a failure: time
-  // t is reached, and an event gives the estimated error. If t is time(), nothing happens and targets wait; if t is not
-  // finite, the step fails as not_finite, nothing moves, and targets wait. Exceptions from laws and callbacks
-  // propagate, and leave the last good posture as well.
+  // the way, at time(); targets are dropped, and the drivers that were set, also for this step only, rest there.
+  // Code::inaccurate is not a failure: time t is reached, and an event gives the estimated error. If t is time(),
+  // nothing happens and targets wait; if t is not finite, the step fails as not_finite, nothing moves, and targets
+  // wait. Exceptions from laws and callbacks propagate, and leave the last good posture as well.
   Status step(double t);
 
   // Sets the target of a controlled driver (PrepareOptions::controlled) for the next step: value, rate and acceleration
-  // in SI units, absolute even if the laws are relative. The coordinate of a joint counts from the posture as written.
+  // in SI units, absolute even if the laws are relative, unless Driver::sets_difference is true, as for coordinates of
+  // joints: then they count from the posture as written.
   // Angles are not wrapped: a driver at 62.8 rad whose target is 0 turns back ten times. `driver` names a driver of an
   // angle, distance or coordinate, or one value of a pose, whose rotation is Rz(psi) Ry(theta) Rx(phi): "pose.x",
   // "pose.y", "pose.z", "pose.psi", "pose.theta", "pose.phi" in space, "pose.x", "pose.y", "pose.angle" in the plane,
@@ -218,6 +219,7 @@ class Simulator {
 
  private:
   Status go_to(double t);
+  [[nodiscard]] bool run_in_parts(std::span<const double> times, Trajectory& out, std::string& refused);
   [[nodiscard]] bool run_in_chunks(std::span<const double> times, const Observer& observer, Trajectory& out);
   friend std::vector<double> posture_of(const Simulator& simulator);  // for use inside the library
   friend Status step_of_run(Simulator& simulator, double t);          // the same: as step(t), but keeps all events
@@ -248,7 +250,7 @@ struct ForwardError {
 
 // Proves each row of a trajectory; returns one certificate for each row. Repeats the steps one after the other. A row
 // that is not reproduced bit by bit gets no proof: it was computed in chunks or part after part, with other limits, or
-// with drivers that the program set. Throws Error as the function above and as Simulator. Needs the library
+// with drivers that the observer set. Throws Error as the function above and as Simulator. Needs the library
 // assur::assur.
 [[nodiscard]] std::vector<Certificate> certify(const Prepared& prepared, const Trajectory& trajectory,
                                                StepLimits limits = {});

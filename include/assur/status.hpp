@@ -54,7 +54,7 @@ enum class Code : std::uint8_t {
   branch_unknown,       // the library could not decide which branch continues the motion
   inconsistent,         // a redundant equation is no longer satisfied
   out_of_range,         // a time lies outside the table of a law
-  actuator_zero,        // a driver drives nothing: its distance, or a direction of its angle, has shrunk to zero
+  actuator_zero,        // a driver drives nothing: its distance is 0, or its axis is along a direction of its angle
   deadline,             // the time allowed for the step ran out
   interrupted,          // the observer or StepLimits::stop asked to stop
   stop_reached,         // a quantity has reached its limit, and the scene ends the motion there; time is bracketed

@@ -156,7 +156,8 @@ struct Structure {
   [[nodiscard]] std::string name_of(Place place) const {
     return place.is(Place::Kind::group) ? groups[static_cast<std::size_t>(place.index)].name : std::string();
   }
-  // Size of a group and number of groups of its class; operation counts are 0.
+  // Size of a group and number of groups of its class. All counts of operations and terms are 0: candidates() needs
+  // Plan::Choice::shape, which has them.
   [[nodiscard]] Shape shape(const Group& group) const;
   // Nonzeros of L + U of a group's Jacobian at the start posture, with columns ordered by approximate minimum degree of
   // J^T J and threshold pivoting (CSparse: Davis, Direct Methods for Sparse Linear Systems, 2006). -1 if singular.

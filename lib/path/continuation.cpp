@@ -71,7 +71,6 @@ void Continuation::keep_what_is_read(std::vector<std::uint8_t> marked) {
 void Continuation::start(double time, const std::vector<double>& posture, const Continuation* before) {
   now_ = time;
   selected_at_ = before != nullptr ? time : kNan;
-  level_by_level_ = 0;
   deadline_ = std::chrono::steady_clock::time_point::max();  // deadlines hold for steps only
   inputs_.reset();
   if (before != nullptr) inputs_.take(before->inputs_.controls());
@@ -261,7 +260,7 @@ Status Continuation::solve_packs(double t, Attempt::Branch branch, double conver
   };
   if (inside && together_) {
     if (solve_together(usual, errors)) return {};
-    ++level_by_level_;
+    ++report_.counters.level_by_level;
   }
   // At the start one thread solves the packs in order: the first pack of a class makes the solver that others clone.
   Status s = levels_.solve(

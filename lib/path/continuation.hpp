@@ -102,10 +102,6 @@ class Continuation {
   [[nodiscard]] std::int64_t rejected() const { return rejected_; }
   void count_rejected_from(std::int64_t count) { rejected_ = count; }
 
-  // +together: attempts at a step since start() that were solved level after level.
-  [[nodiscard]] std::int64_t level_by_level() const { return level_by_level_; }
-  void count_level_by_level_from(std::int64_t count) { level_by_level_ = count; }
-
   // Moves to time t. If the status is not ok, the last good posture on the way is kept. If reselection of redundant
   // equations is allowed, a step may stop and ask for it by wants_reselection(). Exceptions from laws and callbacks
   // propagate, and keep the last good posture as well.
@@ -204,7 +200,7 @@ class Continuation {
   StepErrors last_errors_;             // of the last accepted posture
   std::vector<std::uint8_t> passing_;  // packs: 1 while the pack passes a change point
   double now_ = 0;
-  std::int64_t attempts_ = 0, rejected_ = 0, level_by_level_ = 0;
+  std::int64_t attempts_ = 0, rejected_ = 0;
   double last_before_pass_ = 0;
   std::optional<LimitWatch> limit_watch_;
   bool passes_ = false;             // a change point is being passed: limits are checked afterwards

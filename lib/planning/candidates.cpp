@@ -166,6 +166,7 @@ Candidate choose_solver(const Pattern& pattern, std::int32_t count, std::int32_t
   Shape shape = shape_of(pattern, count);
   shape.rhs = rhs;
   std::vector<Candidate> all = candidates(shape, options);
+  std::erase_if(all, [](const Candidate& c) { return c.strategy.solver.single; });  // Backend::make() would not refine
   if (all.empty() || !all[0].why_not.empty()) {
     std::string reasons;
     for (const Candidate& c : all) reasons += "; " + c.strategy.solver.backend + ": " + c.why_not;

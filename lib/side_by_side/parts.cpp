@@ -4,10 +4,11 @@
 #include <memory>
 #include <numeric>
 #include <string>
+#include <string_view>
+#include <unordered_map>
 #include <utility>
 
 #include "scene/differences.hpp"
-#include "scene/outputs.hpp"
 
 namespace assur {
 namespace {
@@ -75,7 +76,10 @@ Parts::Parts(const Prepared& whole, std::size_t unknowns)
       if (system_.coordinates[idx(c)].role == Role::unknown) join(g.unknowns[0], c);
     }
   }
+  const std::vector<Output> outputs = wanted_outputs(system_);
+  const std::vector<Index> unknown_of = join_readings(outputs);
   divide(unknowns);
+  if (contents_.size() < 2 || !place(outputs, unknown_of)) contents_.clear();
 }
 
 // The component of a coordinate, which all its coordinates share.
@@ -95,10 +99,9 @@ void Parts::each_unknown(std::span<const Index> forms, const Use& use) const {
   }
 }
 
-// Gives each component to a part, in the order of the coordinates.
-void Parts::divide(std::size_t unknowns_of_part) {
-  const std::vector<Output> outputs = wanted_outputs(system_);
-  std::vector<Index> unknown_of(outputs.size(), -1);  // an unknown of each output; -1: it has none
+// Joins the components that one output reads. Returns an unknown of each output, -1 if it has none.
+std::vector<Index> Parts::join_readings(std::span<const Output> outputs) {
+  std::vector<Index> unknown_of(outputs.size(), -1);
   for (std::size_t o = 0; o < outputs.size(); ++o) {
     const auto use = [&](Index c) {
       if (unknown_of[o] >= 0) join(unknown_of[o], c);
@@ -109,6 +112,11 @@ void Parts::divide(std::size_t unknowns_of_part) {
       each_unknown(system_.measures[idx(outputs[o].sum->terms[i].measure)].forms, use);
     }
   }
+  return unknown_of;
+}
+
+// Gives each component to a part, in the order of the coordinates, and each group to the part of its component.
+void Parts::divide(std::size_t unknowns_of_part) {
   std::size_t lanes = 1;
   for (const Plan::Choice& c : whole_.plan.choices) lanes = std::max(lanes, static_cast<std::size_t>(c.solver.lanes));
   std::vector<std::size_t> unknowns(system_.coordinates.size(), 0);  // of a component
@@ -127,18 +135,16 @@ void Parts::divide(std::size_t unknowns_of_part) {
     ++components;
     size += unknowns[idx(of)];
   }
-  if (parts < 2) return;
   contents_.resize(parts);
   for (std::size_t g = 0; g < structure_.groups.size(); ++g) {
     const Index of = component(structure_.groups[g].unknowns[0]);
     contents_[idx(part_[idx(of)])].groups.push_back(static_cast<std::int32_t>(g));
   }
+}
 
-  for (std::size_t m = 0; m < system_.measures.size(); ++m) {
-    measure_.emplace(system_.measures[m].name, static_cast<Index>(m));
-  }
-  // An output that depends on drivers only belongs to a part that reads a coordinate of the output or of its driver.
-  std::vector<std::int32_t> reader(system_.coordinates.size(), -1);  // coordinates: a part; -1: none
+// Coordinates: a part that reads it, or another coordinate of its driver; -1: none.
+std::vector<std::int32_t> Parts::readers() const {
+  std::vector<std::int32_t> reader(system_.coordinates.size(), -1);
   for (std::size_t p = 0; p < contents_.size(); ++p) {
     for (const std::int32_t g : contents_[p].groups) {
       for (const Index c : structure_.groups[idx(g)].inputs) reader[idx(c)] = static_cast<std::int32_t>(p);
@@ -149,9 +155,19 @@ void Parts::divide(std::size_t unknowns_of_part) {
     const auto read = std::find_if(of.begin(), of.end(), [](std::int32_t p) { return p >= 0; });
     if (read != of.end()) std::fill(of.begin(), of.end(), std::int32_t{*read});
   }
-  const auto part_of = [&](const Output& output, Index unknown) {
-    if (unknown >= 0) return idx(part_[idx(component(unknown))]);
-    for (const OutputPart& part : output.parts()) {
+  return reader;
+}
+
+// Gives each output and its columns to a part. False if an output reads several parts, or if a part has none.
+bool Parts::place(std::span<const Output> outputs, std::span<const Index> unknown_of) {
+  std::unordered_map<std::string_view, Index> measures;
+  for (std::size_t m = 0; m < system_.measures.size(); ++m) {
+    measures.emplace(system_.measures[m].name, static_cast<Index>(m));
+  }
+  const std::vector<std::int32_t> reader = readers();
+  const auto part_of = [&](std::size_t o) {
+    if (unknown_of[o] >= 0) return idx(part_[idx(component(unknown_of[o]))]);
+    for (const OutputPart& part : outputs[o].parts()) {
       for (const Index f : part.forms) {
         for (const Term& t : system_.form(f)) {
           if (reader[idx(t.coordinate)] >= 0 && t.coordinate != kOne) return idx(reader[idx(t.coordinate)]);
@@ -165,7 +181,7 @@ void Parts::divide(std::size_t unknowns_of_part) {
   std::unordered_map<std::string_view, std::size_t> part_of_name;
   for (std::size_t o = 0; o < outputs.size(); ++o) {
     const Output& output = outputs[o];
-    const std::size_t p = part_of(output, unknown_of[o]);
+    const std::size_t p = part_of(o);
     Contents& to = contents_[p];
     const auto [place, is_new] = part_of_name.emplace(output.name, p);
     bool in_one_part = place->second == p;
@@ -174,10 +190,10 @@ void Parts::divide(std::size_t unknowns_of_part) {
           part_of_name.find(system_.measures[idx(output.sum->terms[i].measure)].name);  // precedes the sum
       in_one_part = in_one_part && term != part_of_name.end() && term->second == p;
     }
-    if (!in_one_part) return contents_.clear();
+    if (!in_one_part) return false;
     if (is_new) {
-      const auto measure = measure_.find(output.name);
-      if (measure != measure_.end()) {
+      const auto measure = measures.find(output.name);
+      if (measure != measures.end()) {
         to.measures.push_back(measure->second);
       } else {
         to.items.push_back(system_.find_item(output.name));
@@ -197,13 +213,12 @@ void Parts::divide(std::size_t unknowns_of_part) {
     const std::string_view text = system_.outputs[i];
     auto found = part_of_name.find(text);
     if (found == part_of_name.end()) found = part_of_name.find(text.substr(0, text.rfind('.')));
-    if (found == part_of_name.end()) return contents_.clear();
+    if (found == part_of_name.end()) return false;
     contents_[found->second].outputs.push_back(i);
   }
   // An empty list of outputs would mean all of them.
-  const bool lists = !system_.outputs.empty();
   const auto asks_nothing = [](const Contents& c) { return c.outputs.empty(); };
-  if (lists && std::any_of(contents_.begin(), contents_.end(), asks_nothing)) contents_.clear();
+  return system_.outputs.empty() || std::none_of(contents_.begin(), contents_.end(), asks_nothing);
 }
 
 // The coordinates that a part reads or solves, ascending, with the drivers behind them.

@@ -5,11 +5,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <string_view>
-#include <unordered_map>
 #include <vector>
 
 #include "assur/plan.hpp"
+#include "scene/outputs.hpp"
 #include "scene/system.hpp"
 
 namespace assur {
@@ -46,16 +45,18 @@ class Parts {
   void join(Index a, Index b);
   template <class Use>
   void each_unknown(std::span<const Index> forms, const Use& use) const;
+  [[nodiscard]] std::vector<Index> join_readings(std::span<const Output> outputs);
   void divide(std::size_t unknowns_of_part);
+  [[nodiscard]] std::vector<std::int32_t> readers() const;
+  [[nodiscard]] bool place(std::span<const Output> outputs, std::span<const Index> unknown_of);
   [[nodiscard]] std::vector<Index> needed_coordinates(const Contents& contents, std::vector<Index>& inputs,
                                                       std::vector<Index>& assignments) const;
 
   const Prepared& whole_;
   const Structure& structure_;
   const System& system_;
-  std::vector<Index> joined_to_;  // coordinates: union-find
-  std::vector<Index> maker_;      // coordinates: input i as i, assignment a as -2 - a; -1: neither
-  std::unordered_map<std::string_view, Index> measure_;
+  std::vector<Index> joined_to_;    // coordinates: union-find
+  std::vector<Index> maker_;        // coordinates: input i as i, assignment a as -2 - a; -1: neither
   std::vector<std::int32_t> part_;  // coordinates that stand for a component: its part
   std::vector<Contents> contents_;
   std::vector<Index> new_coordinate_, new_constant_, new_form_;  // of the part that is cut; -1: not in it

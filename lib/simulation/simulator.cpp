@@ -1,9 +1,7 @@
 #include "assur/simulator.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <mutex>
 #include <optional>
 #include <utility>
 
@@ -11,14 +9,13 @@
 #include "group/step_rules.hpp"
 #include "index.hpp"
 #include "numbers.hpp"
-#include "parallel/team.hpp"
 #include "parallel/thread_state.hpp"
 #include "path/continuation.hpp"
 #include "path/function_check.hpp"
 #include "side_by_side/chunks.hpp"
 #include "side_by_side/memory.hpp"
-#include "side_by_side/parts.hpp"
 #include "side_by_side/run_arguments.hpp"
+#include "side_by_side/run_in_parts.hpp"
 #include "signals/angle_turns.hpp"
 #include "signals/columns.hpp"
 #include "signals/output_program.hpp"
@@ -35,10 +32,6 @@ constexpr Stride kLongWay{.patience = 4, .growth = 1.5};
 // Only this part of the accuracy is used: conditions may grow before they are measured again, independently at each
 // level.
 constexpr double kMargin = 16;
-// A step reads and writes about 400 bytes for each unknown, so that a part fills half of an L2 cache of 1 MB. Measured
-// with stewart:platforms=N and the ends of the handles, groups/lanes:8, AMD EPYC (L2 1 MB, L3 32 MB), by parts over
-// step by step: N = 64: 1.12, 512: 1.03, 4096: 0.43.
-constexpr std::size_t kUnknownsOfPart = 1200, kWorthParts = 32 * kUnknownsOfPart;
 constexpr int kMostLevels = 8;     // further levels are ignored
 constexpr double kLoosest = 1e-6;  // largest residual at which an equation counts as solved
 
@@ -314,7 +307,6 @@ struct Simulator::Impl {
     divided = std::move(other.divided);
     began = other.began;
     motion.count_rejected_from(other.motion.rejected());
-    motion.count_level_by_level_from(other.motion.level_by_level() + motion.level_by_level());
   }
 
   // Restores the simulator with the equations of that time.
@@ -378,7 +370,7 @@ struct Simulator::Impl {
       report.fallbacks.push_back(std::to_string(count) + what);
       ++own_lines;
     };
-    say(motion.level_by_level(), " attempts at a step solved level after level instead of together");
+    say(report.counters.level_by_level, " attempts at a step solved level after level instead of together");
     say(sum.redone, " factorisations of one lane with its own pivots, because the pivots of the class failed");
     say(sum.renewed, " pivot orders chosen again, because the earlier ones failed repeatedly");
     say(sum.unplanned, " solutions of one lane refined, because the pivots had grown");
@@ -408,72 +400,20 @@ struct Simulator::Impl {
     turns.continue_from(row);
   }
 
-  // ---- independent parts
-
-  // Runs each independent part over all times, so that its numbers stay in the cache, and then stands at the last
-  // posture. The P threads take parts in turn. False: the mechanism has no such parts, or not every step of every part
-  // is an ordinary one; the run must then begin anew, step by step.
-  bool run_in_parts(std::span<const double> times, std::vector<double>& values) {
-    const bool usual =
-        limits.seconds == 0 && !limits.stop && prepared.plan.run.chunks <= 1 && prepared.plan.accuracy == 0;
-    std::size_t unknowns = 0;
-    for (const Group& g : structure.groups) unknowns += g.unknowns.size();
-    if (!usual || times.size() < 2 || unknowns < kWorthParts) return false;
-    Parts parts(prepared, kUnknownsOfPart);
-    if (parts.count() == 0) return false;
-    values.reserve(times.size() * columns.size());
-    PagesAhead(values).reach(values.capacity());
-    values.resize(times.size() * columns.size());
-    std::vector<double> posture = structure.start;
-    Totals totals;
-    std::int64_t level_by_level = 0;
-    std::atomic<std::size_t> next = 0;
-    std::atomic<bool> ordinary = true;
-    std::mutex one_at_a_time;  // cuts parts and adds up
-    Team team(prepared.plan.run.threads, limits.pin_to);
-    team.run([&](int) {
-      for (std::size_t p; ordinary && (p = next++) < parts.count();) {
-        Part part = [&] {
-          const std::scoped_lock lock(one_at_a_time);
-          return parts.cut(p);
-        }();
-        Simulator alone(std::move(part.prepared), limits);
-        if (!alone.impl_->run_as_part(alone, part.columns, times, columns.size(), values.data())) {
-          ordinary = false;
-          return;
-        }
-        const std::scoped_lock lock(one_at_a_time);
-        const Report& of = alone.report();
-        totals.merge({of.counters, of.error, of.effort});
-        level_by_level += alone.impl_->motion.level_by_level();
-        const std::vector<double> reached = alone.impl_->motion.posture();
-        for (std::size_t c = 0; c < reached.size(); ++c) posture[idx(part.coordinates[c])] = reached[c];
-      }
-    });
-    if (!ordinary) return false;
-    const double from = prepared.start_time.value_or(prepared.time.start);
-    start(times.back(), posture);
+  // Stands at the last posture of a run in parts and takes its report. False if no run can start there.
+  bool stand_at_end(const RunInParts& run, std::span<const double> times) {
+    const double first_time = prepared.start_time.value_or(prepared.time.start);
+    start(times.back(), run.posture);
     if (!doubt.ok()) return false;
-    stands_at(std::span(values).last(columns.size()));
+    stands_at(std::span(run.values).last(columns.size()));
     report = {};
-    report.counters = totals.counters;
-    report.counters.steps = static_cast<std::int64_t>(times.size()) - (times[0] == from ? 1 : 0);
-    report.error = earlier_error = totals.error;
+    report.counters = run.totals.counters;
+    report.counters.steps = static_cast<std::int64_t>(times.size()) - (times[0] == first_time ? 1 : 0);
+    report.counters.stored_values = static_cast<std::int64_t>(run.values.size());
+    report.error = earlier_error = run.totals.error;
     report.reached = times.back();
-    earlier_effort = totals.effort;
-    motion.count_level_by_level_from(level_by_level);
+    earlier_effort = run.totals.effort;
     return true;
-  }
-
-  // Writes its columns of each row. False if a step is not an ordinary one.
-  bool run_as_part(Simulator& self, std::span<const Part::Columns> own, std::span<const double> times,
-                   std::size_t width, double* values) {
-    for (const double t : times) {
-      if (!step_of_run(self, t).ok() || began != nullptr) return false;
-      for (const auto& c : own) std::copy_n(row.data() + c.from, c.count, values + c.to);
-      values += width;
-    }
-    return self.report().events.empty() && self.report().counters.rejected == 0;
   }
 
   std::shared_ptr<const Prepared> owned;
@@ -655,21 +595,10 @@ Trajectory Simulator::run(std::span<const double> times, const Observer& observe
   Trajectory out;
   out.columns_ = impl_->columns;
   check_memory(times.size(), out.columns_.size() + 1);
-  const auto in_parts = [&] {
-    try {
-      return !observer && impl_->run_in_parts(times, out.values_);
-    } catch (const Error& e) {
-      if (e.kind() != Error::Kind::numerical) throw;
-      return false;  // a part has no start
-    }
-  };
-  if (in_parts()) {
-    out.times_.assign(times.begin(), times.end());
-    impl_->report.counters.stored_values = static_cast<std::int64_t>(out.values_.size());
-    return out;
-  }
-  out.values_.clear();
+  std::string refused;
+  if (!observer && run_in_parts(times, out, refused)) return out;
   reset();
+  if (!refused.empty()) impl_->report.fallbacks.push_back("not run in independent parts: " + refused);
   if (impl_->prepared.plan.run.chunks > 1 && run_in_chunks(times, observer, out)) return out;
   out.values_.reserve(times.size() * out.columns_.size());
   out.times_.reserve(times.size());
@@ -690,6 +619,24 @@ Trajectory Simulator::run(std::span<const double> times, const Observer& observe
   }
   impl_->report.counters.stored_values = static_cast<std::int64_t>(out.values_.size());
   return out;
+}
+
+// False if the mechanism has no independent parts, or if the run must begin anew, with the reason.
+bool Simulator::run_in_parts(std::span<const double> times, Trajectory& out, std::string& refused) {
+  try {
+    std::optional<RunInParts> run = assur::run_in_parts(impl_->prepared, impl_->limits, times, columns().size());
+    if (!run) return false;
+    refused = run->refused;
+    if (refused.empty() && !impl_->stand_at_end(*run, times)) refused = "the accuracy of the last posture is in doubt";
+    if (!refused.empty()) return false;
+    out.values_ = std::move(run->values);
+    out.times_.assign(times.begin(), times.end());
+    return true;
+  } catch (const Error& e) {
+    if (e.kind() != Error::Kind::numerical) throw;
+    refused = e.what();
+    return false;
+  }
 }
 
 // False if chunks are not possible. The reason is reported, and nothing else changes.

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 #include <string>
@@ -109,6 +110,22 @@ TEST(Parts, ALongRunTakesThemOneByOne) {
   ASSERT_TRUE(parted.step(next).ok());
   ASSERT_TRUE(whole.step(next).ok());
   expect_same(parted.output("handle1_512"), whole.output("handle1_512"), "handle1_512");
+}
+
+// A step that must be divided: the run begins anew, and says so.
+TEST(Parts, ARunThatIsRefusedIsReported) {
+  const Scene scene = sample("stewart:platforms=512");
+  const Prepared prepared = prepare(scene, {"groups/lanes:8", {}});
+  const std::vector<double> times = {0, scene.time().time(1), scene.time().time(1) + 1};
+  Simulator whole(prepared), parted(prepared);
+  const Trajectory expected = step_by_step(whole, times), motion = parted.run(times);
+  ASSERT_TRUE(whole.report().status.ok());
+  EXPECT_TRUE(motion.values() == expected.values());
+  const std::vector<std::string>& fallbacks = parted.report().fallbacks;
+  EXPECT_TRUE(std::any_of(fallbacks.begin(), fallbacks.end(), [](const std::string& line) {
+    return line.starts_with("not run in independent parts: a step had to be divided");
+  }));
+  EXPECT_EQ(parted.report().counters.steps, 2);
 }
 
 TEST(Parts, TheMotionIsBitwiseEqualForEveryNumberOfThreads) {
