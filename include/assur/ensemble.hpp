@@ -50,6 +50,38 @@ class EnsembleTrajectory {
   std::shared_ptr<double[]> values_;
 };
 
+// One column of a member over the rows that it reached. SI units. All figures are NaN if there are no rows; `minimum`,
+// `maximum` and `mean` are NaN if a row is NaN.
+struct ColumnSummary {
+  double minimum = 0, maximum = 0;            // over the rows, not between them
+  double minimum_time = 0, maximum_time = 0;  // s: the first row with this value
+  double mean = 0;                            // of the rows, each with the same weight
+  double last = 0;                            // in the last row
+
+  [[nodiscard]] double range() const { return maximum - minimum; }
+};
+
+// Summaries of the members of an ensemble, whose rows are not stored. Indices are not checked.
+class EnsembleSummary {
+ public:
+  // The columns that are summarised.
+  [[nodiscard]] const std::vector<std::string>& columns() const { return columns_; }
+  // Number of members, including those that could not start.
+  [[nodiscard]] std::size_t members() const { return rows_.size(); }
+  // Number of rows that a member reached; 0 if it could not start.
+  [[nodiscard]] std::size_t rows(std::size_t member) const { return rows_[member]; }
+  // The summary of columns()[column] of a member.
+  [[nodiscard]] const ColumnSummary& operator()(std::size_t member, std::size_t column) const {
+    return values_[member * columns_.size() + column];
+  }
+
+ private:
+  friend class Ensemble;
+  std::vector<std::string> columns_;
+  std::vector<std::size_t> rows_;
+  std::vector<ColumnSummary> values_;  // members x columns
+};
+
 // Writes a CSV with the columns `member` (counted from 1), `t` and all outputs. Each number is the shortest text that
 // reads back as the same double; NaN is empty. Rows that a member did not reach are left out. If writing
 // fails, the state of `out` says so.
@@ -95,6 +127,14 @@ class Ensemble {
   // The same over `times` (s), which begin with prepared().time.start. Throws also Error (input) if `times` are empty,
   // begin at another time, descend, or are not finite.
   EnsembleTrajectory run(std::span<const double> times, const Simulator::Observer& observer = {});
+
+  // Runs all members as run() does, and keeps summaries of these columns instead of rows: the memory does not grow with
+  // the number of times. Figures are those of the rows of run(), bit by bit. Throws as run(), and Error (input) for an
+  // unknown column.
+  EnsembleSummary summarize(const std::vector<std::string>& columns, const Simulator::Observer& observer = {});
+  // The same over `times` (s).
+  EnsembleSummary summarize(const std::vector<std::string>& columns, std::span<const double> times,
+                            const Simulator::Observer& observer = {});
 
   // Number of members, including those that cannot start.
   [[nodiscard]] std::size_t members() const;

@@ -84,7 +84,9 @@ void follow(const LaneRun& before, LaneRun& run, const OutputProgram& outputs, s
     return;
   }
   const std::vector<double> here(run.rows, run.rows + columns);
-  shift_by_turns(outputs, border, here.data(), run, 0, columns);
+  const Turns turns(outputs, border, here.data());
+  for (std::size_t k = 0; k < run.done; ++k) turns.add_to(run.row(k, columns));
+  if (!run.outputs.empty()) turns.add_to(run.outputs.data());
 }
 
 }  // namespace

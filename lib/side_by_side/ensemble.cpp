@@ -9,8 +9,10 @@
 #include "numbers.hpp"
 #include "scene/outputs.hpp"
 #include "side_by_side/memory.hpp"
+#include "side_by_side/row_summary.hpp"
 #include "side_by_side/run_arguments.hpp"
 #include "side_by_side/tiles.hpp"
+#include "signals/columns.hpp"
 
 namespace assur {
 
@@ -54,38 +56,69 @@ struct Ensemble::Impl {
     variants.push_back({p.structure->system, p.structure->start, p.time.start, p.reselect});
   }
 
-  EnsembleTrajectory start(std::span<const double> times) {
-    EnsembleTrajectory out;
-    out.columns_ = columns;
-    out.times_.assign(times.begin(), times.end());
-    out.rows_.assign(cannot.size(), 0);
-    check_memory(cannot.size() * times.size(), out.columns_.size());
-    out.values_.reset(new double[cannot.size() * times.size() * out.columns_.size()]);
+  // Where the rows of the members go.
+  struct Results {
+    std::span<const double> times;
+    std::vector<std::size_t>& rows;     // receives the number of rows of each member
+    double* values = nullptr;           // members x times x columns, or
+    std::span<RowSummary> summaries{};  // one for each member
+  };
+
+  void start(const Results& results) {
     report = {};
     totals = {};
     tiles->clear();
     outcomes.assign(cannot.size(), {});
+    results.rows.assign(cannot.size(), 0);
     for (std::size_t i = 0; i < cannot.size(); ++i) {
       outcomes[i].cannot = cannot[i];
-      outcomes[i].reached = times[0];
+      outcomes[i].reached = results.times[0];
       if (!cannot[i].empty()) outcomes[i].status.code = Code::not_converged;
     }
-    return out;
+  }
+
+  void run(const Results& results, const Simulator::Observer& observer) {
+    start(results);
+    const auto rows = [&](std::size_t members) { return static_cast<std::int64_t>(members * results.times.size()); };
+    const std::int64_t of = rows(in_lanes.size() + others.size());
+    bool stopped = false;
+    std::int64_t before = 0;
+    Simulator::Observer of_all;
+    if (observer) {
+      of_all = [&](std::int64_t done, std::int64_t) {
+        stopped = !observer(before + done, of);
+        return !stopped;
+      };
+    }
+    run_in_lanes(results, of_all);
+    before = rows(in_lanes.size());
+    for (const auto& [i, other] : others) {
+      if (stopped) {
+        outcomes[i].status = {Code::interrupted, {}, results.times[0]};
+        continue;
+      }
+      run_other(i, results, of_all);
+      before += rows(1);
+    }
+    summarize(results);
   }
 
   // Runs the members that share the structure, in tiles; a free thread takes the next tile.
-  void run_in_lanes(EnsembleTrajectory& out, const Simulator::Observer& observer) {
-    const std::size_t rows = out.times_.size();
+  void run_in_lanes(const Results& results, const Simulator::Observer& observer) {
     std::vector<LaneRun> runs(in_lanes.size());
     for (std::size_t i = 0; i < runs.size(); ++i) {
       runs[i].variant = variants[i];
-      runs[i].times = out.times_;
-      runs[i].rows = out.values_.get() + in_lanes[i] * rows * columns.size();
+      runs[i].times = results.times;
+      if (results.values != nullptr) {
+        runs[i].rows = results.values + in_lanes[i] * results.times.size() * columns.size();
+      } else {
+        runs[i].summary = &results.summaries[in_lanes[i]];
+      }
     }
     tiles->run(runs, observer, 0);
     for (std::size_t i = 0; i < runs.size(); ++i) {
       LaneRun& run = runs[i];
-      out.rows_[in_lanes[i]] = run.done;
+      results.rows[in_lanes[i]] = run.done;
       totals.error.merge(run.error);
       outcomes[in_lanes[i]] = {run.status, run.reached,    std::move(run.cannot),
                                run.alone,  run.alone_from, std::move(run.events)};
@@ -94,12 +127,12 @@ struct Ensemble::Impl {
     totals.merge(tiles->totals());
   }
 
-  void run_other(std::size_t i, EnsembleTrajectory& out, const Simulator::Observer& observer) {
+  void run_other(std::size_t i, const Results& results, const Simulator::Observer& observer) {
     Prepared p = others.at(i);
     p.plan.run.threads = 1;
     Outcome& outcome = outcomes[i];
     outcome.alone = true;
-    outcome.alone_from = outcome.reached = out.times_[0];
+    outcome.alone_from = outcome.reached = results.times[0];
     std::optional<Simulator> simulator;
     try {
       simulator.emplace(std::move(p), limits);
@@ -109,10 +142,14 @@ struct Ensemble::Impl {
       outcome.status.code = Code::singular;
       return;
     }
-    const Trajectory t = simulator->run(out.times_, observer);
-    std::copy(t.values().begin(), t.values().end(), out.values_.get() + i * out.times_.size() * columns.size());
+    const Trajectory t = simulator->run(results.times, observer);
+    if (results.values != nullptr) {
+      std::copy(t.values().begin(), t.values().end(), results.values + i * results.times.size() * columns.size());
+    } else {
+      for (std::size_t k = 0; k < t.rows(); ++k) results.summaries[i].take(t.times()[k], t.row(k).data());
+    }
     const Report& its = simulator->report();
-    out.rows_[i] = t.rows();
+    results.rows[i] = t.rows();
     outcome.status = its.status;
     outcome.reached = its.reached;
     outcome.events = its.events;
@@ -133,16 +170,18 @@ struct Ensemble::Impl {
     }
   }
 
-  void summarize(const EnsembleTrajectory& out) {
+  void summarize(const Results& results) {
     report.counters = totals.counters;
     report.counters.stored_values = 0;
     report.error = totals.error;
     report.effort = totals.effort;
-    report.reached = out.times_.back();
+    report.reached = results.times.back();
     std::size_t alone = 0;
     for (std::size_t i = 0; i < outcomes.size(); ++i) {
       const Outcome& o = outcomes[i];
-      report.counters.stored_values += static_cast<std::int64_t>(out.rows_[i] * columns.size());
+      if (results.values != nullptr) {
+        report.counters.stored_values += static_cast<std::int64_t>(results.rows[i] * columns.size());
+      }
       report.reached = std::min(report.reached, o.reached);
       alone += o.alone ? 1 : 0;
       // A failed member outranks an inaccurate one.
@@ -176,43 +215,59 @@ Ensemble::Ensemble(Ensemble&&) noexcept = default;
 Ensemble& Ensemble::operator=(Ensemble&&) noexcept = default;
 Ensemble::~Ensemble() = default;
 
-EnsembleTrajectory Ensemble::run(const Simulator::Observer& observer) {
-  const TimeGrid& grid = impl_->prepared->time;
-  check_memory(static_cast<std::size_t>(grid.steps()) + 1, 2);  // memory of the times; run() checks that of the values
+namespace {
+
+std::vector<double> times_of(const TimeGrid& grid) {
+  check_memory(static_cast<std::size_t>(grid.steps()) + 1, 2);  // memory of the times
   std::vector<double> times;
   for (std::int64_t k = 0; k <= grid.steps(); ++k) times.push_back(grid.time(k));
-  return run(times, observer);
+  return times;
 }
 
-EnsembleTrajectory Ensemble::run(std::span<const double> times, const Simulator::Observer& observer) {
-  if (times.empty() || times[0] != impl_->prepared->time.start) {
+void check_begin(std::span<const double> times, const Prepared& prepared) {
+  if (times.empty() || times[0] != prepared.time.start) {
     throw Error(Error::Kind::input, "the times of an ensemble must begin with time.start of its scene");
   }
   check_times(times);
-  EnsembleTrajectory out = impl_->start(times);
-  const auto rows = [&](std::size_t members) { return static_cast<std::int64_t>(members * times.size()); };
-  const std::int64_t of = rows(impl_->in_lanes.size() + impl_->others.size());
-  bool stopped = false;
-  std::int64_t before = 0;
-  Simulator::Observer of_all;
-  if (observer) {
-    of_all = [&](std::int64_t done, std::int64_t) {
-      stopped = !observer(before + done, of);
-      return !stopped;
-    };
-  }
-  impl_->run_in_lanes(out, of_all);
-  before = rows(impl_->in_lanes.size());
-  for (const auto& [i, prepared] : impl_->others) {
-    if (stopped) {
-      impl_->outcomes[i].status = {Code::interrupted, {}, times[0]};
-      continue;
-    }
-    impl_->run_other(i, out, of_all);
-    before += rows(1);
-  }
+}
+
+}  // namespace
+
+EnsembleTrajectory Ensemble::run(const Simulator::Observer& observer) {
+  return run(times_of(impl_->prepared->time), observer);
+}
+
+EnsembleTrajectory Ensemble::run(std::span<const double> times, const Simulator::Observer& observer) {
+  check_begin(times, *impl_->prepared);
+  EnsembleTrajectory out;
+  out.columns_ = impl_->columns;
+  out.times_.assign(times.begin(), times.end());
+  check_memory(members() * times.size(), out.columns_.size());
+  out.values_.reset(new double[members() * times.size() * out.columns_.size()]);
+  impl_->run({out.times_, out.rows_, out.values_.get(), {}}, observer);
   Impl::fill_missing_rows(out);
-  impl_->summarize(out);
+  return out;
+}
+
+EnsembleSummary Ensemble::summarize(const std::vector<std::string>& columns, const Simulator::Observer& observer) {
+  return summarize(columns, times_of(impl_->prepared->time), observer);
+}
+
+EnsembleSummary Ensemble::summarize(const std::vector<std::string>& columns, std::span<const double> times,
+                                    const Simulator::Observer& observer) {
+  check_begin(times, *impl_->prepared);
+  std::vector<std::size_t> indices;
+  for (const std::string& column : columns) indices.push_back(column_index(impl_->columns, column));
+  EnsembleSummary out;
+  out.columns_ = columns;
+  check_memory(members() * columns.size(), sizeof(ColumnSummary) / sizeof(double));
+  out.values_.resize(members() * columns.size());
+  std::vector<RowSummary> summaries;
+  for (std::size_t i = 0; i < members(); ++i) {
+    summaries.emplace_back(indices, std::span(out.values_).subspan(i * columns.size(), columns.size()));
+  }
+  impl_->run({times, out.rows_, nullptr, summaries}, observer);
+  for (RowSummary& summary : summaries) summary.finish();
   return out;
 }
 

@@ -16,18 +16,17 @@ void Totals::merge(const Totals& o) {
   error.merge(o.error);
 }
 
-void shift_by_turns(const OutputProgram& outputs, const double* before, const double* here, LaneRun& run,
-                    std::size_t from, std::size_t columns) {
-  bool shifted = false;
+Turns::Turns(const OutputProgram& outputs, const double* before, const double* here) : outputs_(outputs) {
   for (const std::size_t c : outputs.angles()) {
-    const double shift = kTurn * std::round((before[c] - here[c]) / kTurn);
-    if (shift == 0) continue;
-    shifted = true;
-    for (std::size_t k = from; k < run.done; ++k) run.row(k, columns)[c] += shift;
-    if (!run.outputs.empty()) run.outputs[c] += shift;
+    const double turns = kTurn * std::round((before[c] - here[c]) / kTurn);
+    if (turns != 0) turns_.emplace_back(c, turns);
   }
-  for (std::size_t k = from; shifted && k < run.done; ++k) outputs.add_up(run.row(k, columns));
-  if (shifted && !run.outputs.empty()) outputs.add_up(run.outputs.data());
+}
+
+void Turns::add_to(double* row) const {
+  if (turns_.empty()) return;
+  for (const auto& [column, turns] : turns_) row[column] += turns;
+  outputs_.add_up(row);
 }
 
 namespace {
@@ -59,6 +58,10 @@ void SideBySide::write_row(int lane, LaneRun& run, std::size_t row) {
   if (row == run.posture_wanted) run.posture = tile_.posture(lane);
 }
 
+void SideBySide::summarize_row(LaneRun& run, std::size_t row) const {
+  if (run.summary != nullptr) run.summary->take(run.times[row], run.row(row, columns().size()));
+}
+
 // Solves from row `from`, at which the variants are, to the last row that all lanes reach in lockstep. Returns that
 // row.
 std::size_t SideBySide::follow(std::span<LaneRun* const> lanes, std::size_t from,
@@ -71,6 +74,7 @@ std::size_t SideBySide::follow(std::span<LaneRun* const> lanes, std::size_t from
     if (moves && !tile_.step(times).ok()) return row - 1;
     for (std::size_t i = 0; i < lanes.size(); ++i) write_row(static_cast<int>(i), *lanes[i], row);
     if (moves) check_accuracy(lanes, row);
+    for (LaneRun* lane : lanes) summarize_row(*lane, row);
     if (!proceed()) {
       stopped_ = true;
       return row;
@@ -118,6 +122,10 @@ void SideBySide::run(std::span<LaneRun* const> lanes, const std::function<bool()
   std::vector<Variant> at;
   for (const LaneRun* lane : together) at.push_back(lane->variant);
   stopped_ = false;
+  latest_.resize(lanes.size() * columns().size());
+  for (std::size_t i = 0; i < lanes.size(); ++i) {
+    if (lanes[i]->summary != nullptr) lanes[i]->rows = latest_.data() + i * columns().size();
+  }
   for (std::size_t row = 0; !together.empty();) {
     std::vector<const Variant*> variants;
     for (const Variant& v : at) variants.push_back(&v);
@@ -128,6 +136,7 @@ void SideBySide::run(std::span<LaneRun* const> lanes, const std::function<bool()
         together[i]->uniqueness = tile_.uniqueness(static_cast<int>(i));
       }
       check_accuracy(together, 0);
+      for (LaneRun* lane : together) summarize_row(*lane, 0);
     }
     for (std::size_t i = 0; i < together.size() && started && row > 0; ++i) {
       const std::size_t size = columns().size();
@@ -185,6 +194,7 @@ void SideBySide::alone(LaneRun& lane, Variant at, std::size_t row, bool to_the_e
   const bool restarted = lane.done > row;  // the row is stored already, with unwrapped angles
   const std::vector<double> start(simulator->outputs().begin(), simulator->outputs().end());
   if (!restarted) std::copy(start.begin(), start.end(), first);
+  const Turns turns(outputs(), first, start.data());
   lane.done = std::max(lane.done, row + 1);
   if (row == lane.posture_wanted) lane.posture = posture_of(*simulator);
   for (std::size_t k = row + 1; k < rows && lane.status.arrived() && !stopped_; ++k) {
@@ -199,19 +209,22 @@ void SideBySide::alone(LaneRun& lane, Variant at, std::size_t row, bool to_the_e
     if (!lane.alone) {
       lane.alone = true;
       lane.alone_from = from;
+      if (!restarted) summarize_row(lane, row);
     }
     if (!lane.status.arrived()) break;
     std::copy(simulator->outputs().begin(), simulator->outputs().end(), lane.row(k, columns));
+    turns.add_to(lane.row(k, columns));
+    summarize_row(lane, k);
     lane.done = k + 1;
     if (k == lane.posture_wanted) lane.posture = posture_of(*simulator);
     stopped_ = !proceed();
   }
   if (!lane.status.arrived() && simulator->time() != lane.times[lane.done - 1]) {
     lane.outputs.assign(simulator->outputs().begin(), simulator->outputs().end());
+    turns.add_to(lane.outputs.data());
   }
   if (lane.status.arrived()) lane.status = simulator->report().status;
   if (lane.status.ok()) lane.status = before;
-  if (restarted) shift_by_turns(outputs(), first, start.data(), lane, row + 1, columns);
   lane.reached = simulator->time();
   if (lane.done <= lane.posture_wanted) lane.posture = posture_of(*simulator);
   if (stopped_ && lane.status.arrived() && lane.done < rows) lane.status = {Code::interrupted, {}, lane.reached};

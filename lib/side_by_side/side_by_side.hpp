@@ -6,9 +6,11 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "assur/report.hpp"
+#include "side_by_side/row_summary.hpp"
 #include "side_by_side/tile.hpp"
 
 namespace assur {
@@ -18,6 +20,7 @@ struct LaneRun {
   Variant variant;
   std::span<const double> times;  // the first one is that of the variant
   double* rows = nullptr;         // receives the first `split` rows of results; `beyond` the others
+  RowSummary* summary = nullptr;  // not null: takes each row, and only the latest one is kept
   double* beyond = nullptr;
   std::size_t split = static_cast<std::size_t>(-1);
   std::size_t done = 0;  // rows filled
@@ -37,6 +40,7 @@ struct LaneRun {
   std::vector<double> uniqueness;  // see Tile::uniqueness(), at the start
 
   [[nodiscard]] double* row(std::size_t k, std::size_t columns) const {
+    if (summary != nullptr) return rows;
     return k < split ? rows + k * columns : beyond + (k - split) * columns;
   }
 };
@@ -78,17 +82,28 @@ class SideBySide {
   void alone(LaneRun& lane, Variant at, std::size_t row, bool to_the_end, const std::function<bool()>& proceed);
   [[nodiscard]] std::optional<Simulator> simulator_of(LaneRun& lane, Variant at) const;
   void write_row(int lane, LaneRun& run, std::size_t row);
+  void summarize_row(LaneRun& run, std::size_t row) const;
 
   Prepared prepared_;
   StepLimits limits_;
   Tile tile_;
   Totals of_those_alone_;
+  std::vector<double> latest_;  // rows of lanes that are summarised
   bool stopped_ = false;
 };
 
-// Adds whole turns to the angles of a run, from a row on, so that they continue those of the row `before`. `before` and
-// `here` are rows of the same time.
-void shift_by_turns(const OutputProgram& outputs, const double* before, const double* here, LaneRun& run,
-                    std::size_t from, std::size_t columns);
+// Whole turns, by which the angles of a run continue those of another run. `before` and `here` are rows of both at the
+// same time.
+class Turns {
+ public:
+  Turns(const OutputProgram& outputs, const double* before, const double* here);
+
+  // Adds the turns to the angles of a row, and to the sums of angles.
+  void add_to(double* row) const;
+
+ private:
+  const OutputProgram& outputs_;
+  std::vector<std::pair<std::size_t, double>> turns_;  // columns and angles, rad
+};
 
 }  // namespace assur

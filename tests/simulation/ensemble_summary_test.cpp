@@ -1,0 +1,139 @@
+// Summaries of ensembles equal those of the stored rows bit by bit, and their memory does not grow with the times.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "backends/allocations.hpp"
+#include "simulation/ensembles.hpp"
+
+namespace assur::test {
+namespace {
+
+// NaN equals NaN.
+void expect_bits(double a, double b, const std::string& what) {
+  EXPECT_TRUE(a == b || (std::isnan(a) && std::isnan(b))) << what << ": " << a << " and " << b;
+}
+
+// Compares all columns of all members.
+void expect_summaries_of(const EnsembleTrajectory& all, const EnsembleSummary& summary) {
+  ASSERT_EQ(summary.members(), all.members());
+  ASSERT_EQ(summary.columns(), all.columns());
+  for (std::size_t i = 0; i < all.members(); ++i) {
+    ASSERT_EQ(summary.rows(i), all.rows(i)) << i;
+    for (std::size_t c = 0; c < all.columns().size(); ++c) {
+      const std::string what = "member " + std::to_string(i) + ", " + all.columns()[c];
+      const ColumnSummary& s = summary(i, c);
+      if (all.rows(i) == 0) {
+        for (const double figure : {s.minimum, s.maximum, s.minimum_time, s.maximum_time, s.mean, s.last, s.range()}) {
+          EXPECT_TRUE(std::isnan(figure)) << what;
+        }
+        continue;
+      }
+      std::size_t low = 0, high = 0;
+      double sum = 0;
+      for (std::size_t k = 0; k < all.rows(i); ++k) {
+        const double x = all(i, k, c);
+        if (x < all(i, low, c) || (std::isnan(x) && !std::isnan(all(i, low, c)))) low = k;
+        if (x > all(i, high, c) || (std::isnan(x) && !std::isnan(all(i, high, c)))) high = k;
+        sum += x;
+      }
+      expect_bits(s.minimum, all(i, low, c), what);
+      expect_bits(s.maximum, all(i, high, c), what);
+      EXPECT_EQ(s.minimum_time, all.times()[low]) << what;
+      EXPECT_EQ(s.maximum_time, all.times()[high]) << what;
+      expect_bits(s.mean, sum / static_cast<double>(all.rows(i)), what);
+      expect_bits(s.last, all(i, all.rows(i) - 1, c), what);
+      expect_bits(s.range(), all(i, high, c) - all(i, low, c), what);
+    }
+  }
+}
+
+// The same outcomes as well.
+void expect_as_stored(std::size_t members, const SceneOf& scene, const std::string& strategy) {
+  SCOPED_TRACE(scene(0).name() + ", " + strategy);
+  Ensemble e = ensemble(members, scene, strategy);
+  const EnsembleTrajectory all = e.run();
+  const std::vector<Ensemble::Outcome> outcomes = e.outcomes();
+  const Report report = e.report();
+  const EnsembleSummary summary = e.summarize(all.columns());
+  expect_summaries_of(all, summary);
+  for (std::size_t i = 0; i < members; ++i) {
+    EXPECT_EQ(e.outcomes()[i].status.code, outcomes[i].status.code) << i;
+    EXPECT_EQ(e.outcomes()[i].reached, outcomes[i].reached) << i;
+    EXPECT_EQ(e.outcomes()[i].alone, outcomes[i].alone) << i;
+    EXPECT_EQ(e.outcomes()[i].events.size(), outcomes[i].events.size()) << i;
+  }
+  EXPECT_EQ(e.report().counters.steps, report.counters.steps);
+  EXPECT_EQ(e.report().counters.stored_values, 0);
+  EXPECT_EQ(e.report().fallbacks, report.fallbacks);
+}
+
+TEST(EnsembleSummary, EqualsTheStoredRows) {
+  for (const std::string strategy : {"groups/eigen:4", "irreducible/lanes:8", "groups/lanes:2 2x1"}) {
+    for (const SceneOf& scene : {SceneOf(four_bar), SceneOf(slider_crank), SceneOf(partly_limited)}) {
+      expect_as_stored(11, scene, strategy);
+    }
+  }
+}
+
+// A member that ends lets the others start again, which goes on counting their turns.
+TEST(EnsembleSummary, GoesOnWhenAMemberEnds) {
+  std::vector<double> t, a;
+  for (int k = 0; k <= 20; ++k) {
+    t.push_back(0.123 * k);
+    a.push_back(0.123 * k * 7);
+  }
+  const SceneOf scene = [&](std::size_t i) {
+    return with_law(i == 1 ? Law::table(t, a) : Law::polynomial({0, 6.5 + 0.5 * static_cast<double>(i)}), 8);
+  };
+  expect_as_stored(3, scene, "groups/eigen:4");
+}
+
+TEST(EnsembleSummary, HasMembersOfAnotherStructure) {
+  const SceneOf scene = [](std::size_t i) {
+    return i == 1 || i == 3 ? on_a_rail() : with_law(Law::polynomial({0, 3})).with_outputs({"B", "C"});
+  };
+  expect_as_stored(5, scene, "groups/eigen:4");
+}
+
+TEST(EnsembleSummary, TakesSomeColumnsOverGivenTimes) {
+  Ensemble e = ensemble(11, four_bar, "groups/lanes:8");
+  const std::vector<double> times = {0, 0.02, 0.05, 0.3};
+  const EnsembleTrajectory all = e.run(times);
+  const std::vector<std::string> some = {all.columns()[5], all.columns()[2]};
+  const EnsembleSummary summary = e.summarize(some, times);
+  EXPECT_EQ(summary.columns(), some);
+  for (std::size_t i = 0; i < 11; ++i) {
+    EXPECT_EQ(summary.rows(i), 4u);
+    EXPECT_EQ(summary(i, 0).last, all(i, 3, 5));
+    EXPECT_EQ(summary(i, 1).last, all(i, 3, 2));
+  }
+  EXPECT_THROW((void)e.summarize({"no_such_column"}), Error);
+  EXPECT_THROW((void)e.summarize(some, std::vector<double>{1.0}), Error);
+}
+
+TEST(EnsembleSummary, AnObserverStops) {
+  Ensemble e = ensemble(4, four_bar, "groups/lanes:4");
+  const EnsembleSummary summary = e.summarize({"B1.x"}, [](std::int64_t done, std::int64_t of) {
+    EXPECT_EQ(of, 4 * 61);
+    return done < 40;
+  });
+  EXPECT_EQ(e.report().status.code, Code::interrupted);
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(summary.rows(i), 10u);
+}
+
+TEST(EnsembleSummary, MemoryDoesNotGrowWithTheTimes) {
+  Ensemble e = ensemble(16, chain, "irreducible/lanes:8");
+  const std::vector<double> grid = test::grid_of(chain(0));
+  const std::vector<std::string> columns = {e.run(std::span(grid).first(2)).columns()[0]};
+  const auto taken = [&](std::size_t rows) {
+    const std::int64_t before = test::allocations();
+    (void)e.summarize(columns, std::span(grid).first(rows));
+    return test::allocations() - before;
+  };
+  (void)taken(61);
+  EXPECT_EQ(taken(61), taken(31));
+}
+
+}  // namespace
+}  // namespace assur::test
