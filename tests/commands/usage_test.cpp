@@ -94,7 +94,7 @@ TEST(Usage, ReportsWrongArgumentsAsJson) {
 TEST(Usage, HelpFitsEightyColumnsAndNamesEveryOption) {
   const std::vector<std::string> common = {"--json", "--quiet", "--threads", "--db", "--help", "--version"};
   const std::vector<std::pair<std::vector<std::string>, std::vector<std::string>>> cases = {
-      {{"--help"}, {"run", "inspect", "import", "plan", "compare", "backends", "db", "check", "report"}},
+      {{"--help"}, {"run", "inspect", "import", "plan", "sweep", "compare", "backends", "db", "check", "report"}},
       {{"run", "--help"},
        {"SCENE",    "--set",      "--start",    "--dt",         "--steps",      "--outputs", "--strategy",
         "--mode",   "--accuracy", "--ensemble", "--iterations", "--start-mode", "--guess",   "--csv",

@@ -14,6 +14,7 @@
 #include "assur/plan.hpp"
 #include "assur/scene.hpp"
 #include "assur/strategy.hpp"
+#include "sweep/design_space.hpp"
 
 namespace assur::command {
 
@@ -73,6 +74,20 @@ struct RunOptions {
   bool reference = false;
   bool certify = false;
   bool pin = false;  // keeps each thread on its own core
+};
+
+struct SweepOptions {
+  std::string scene;
+  std::vector<std::string> outputs;  // empty: those of the scene
+  std::vector<sweep::Range> vary;
+  sweep::Sampler sampler = sweep::Sampler::random;
+  std::int64_t samples = 0;  // of the whole design space
+  std::uint64_t seed = 0;
+  std::optional<std::pair<std::int64_t, std::int64_t>> range;  // samples from the first up to, without, the second
+  std::vector<std::string> reduce = {"min", "max"};            // figures of each output
+  std::int64_t best = 0;                                       // samples to list: those with the smallest first figure
+  std::string strategy = "auto";
+  std::string out;  // CSV with a row for each sample
 };
 
 struct CompareOptions {
@@ -143,6 +158,7 @@ void refuse_overwriting(const std::vector<std::pair<std::string, std::string>>& 
 int import_scene(const Common& common, const ImportOptions& options);
 int inspect(const Common& common, const InspectOptions& options);
 int run(const Common& common, const RunOptions& options);
+int sweep(const Common& common, const SweepOptions& options);
 int compare(const Common& common, const CompareOptions& options);
 int plan(const Common& common, const PlanOptions& options);
 int backends(const Common& common);

@@ -71,6 +71,31 @@ void take_accuracies(std::vector<double>& accuracies, const std::string& text) {
   accuracies.erase(std::unique(accuracies.begin(), accuracies.end()), accuracies.end());
 }
 
+void take_ranges(std::vector<sweep::Range>& ranges, const std::string& text) {
+  std::istringstream list(text);
+  for (std::string item; std::getline(list, item, ',');) {
+    const std::size_t equals = item.find('='), colon = item.find(':', equals);
+    sweep::Range range;
+    const bool is_range = equals != 0 && equals != std::string::npos && colon != std::string::npos &&
+                          CLI::detail::lexical_cast(item.substr(equals + 1, colon - equals - 1), range.low) &&
+                          CLI::detail::lexical_cast(item.substr(colon + 1), range.high);
+    if (!is_range) throw CLI::ValidationError("--vary", "expects a=0.2:0.8, not \"" + item + "\"");
+    range.name = item.substr(0, equals);
+    ranges.push_back(range);
+  }
+}
+
+std::pair<std::int64_t, std::int64_t> sample_range(const std::string& text) {
+  const std::size_t colon = text.find(':');
+  std::pair<std::int64_t, std::int64_t> range;
+  if (colon == std::string::npos || !CLI::detail::lexical_cast(text.substr(0, colon), range.first) ||
+      !CLI::detail::lexical_cast(text.substr(colon + 1), range.second)) {
+    throw CLI::ValidationError("--range",
+                               "expects I:J, the first sample and the one after the last, not \"" + text + "\"");
+  }
+  return range;
+}
+
 void take_names(std::vector<std::string>& names, const std::string& text, const std::string& option) {
   for (std::size_t from = 0, comma = 0; comma != std::string::npos; from = comma + 1) {
     comma = text.find(',', from);

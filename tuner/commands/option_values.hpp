@@ -3,11 +3,13 @@
 
 #include <CLI/CLI.hpp>
 #include <cmath>
+#include <cstdint>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "assur/scene.hpp"
+#include "sweep/design_space.hpp"
 
 namespace assur::options {
 
@@ -25,6 +27,12 @@ void take_guess(std::vector<std::pair<std::string, std::vector<double>>>& guesse
 
 // "1e-4,1e-6": numbers > 0. Returns them without repetitions, the largest first.
 void take_accuracies(std::vector<double>& accuracies, const std::string& text);
+
+// "a=0.2:0.8,b=1:2", parameters with finite numbers.
+void take_ranges(std::vector<sweep::Range>& ranges, const std::string& text);
+
+// "I:J", whole numbers.
+[[nodiscard]] std::pair<std::int64_t, std::int64_t> sample_range(const std::string& text);
 
 // "A,B", without an empty name.
 void take_names(std::vector<std::string>& names, const std::string& text, const std::string& option);

@@ -1,5 +1,6 @@
 #include "commands/options.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <set>
@@ -7,6 +8,7 @@
 #include <vector>
 
 #include "commands/option_values.hpp"
+#include "sweep/sweep.hpp"
 
 namespace assur::options {
 namespace {
@@ -197,6 +199,68 @@ void add_run(CLI::App& app, Invocation& call) {
   });
 }
 
+void add_sweep(CLI::App& app, Invocation& call) {
+  CLI::App& sweep = *app.add_subcommand("sweep", "Compute figures of many designs of a scene");
+  SweepOptions& o = call.sweep;
+  add_scene(sweep, call.common, o.scene, o.outputs);
+  sweep
+      .add_option_function<std::vector<std::string>>(
+          "--vary",
+          [&o](const std::vector<std::string>& texts) {
+            for (const std::string& text : texts) take_ranges(o.vary, text);
+          },
+          "Parameters and their ranges")
+      ->required()
+      ->allow_extra_args(false)
+      ->type_name("a=LOW:HIGH,...");
+  sweep.add_option("--samples", o.samples, "Number of samples")
+      ->required()
+      ->check(number(0, " > 0 and at most 1e15", 1e15))
+      ->type_name("N");
+  static const std::map<std::string, sweep::Sampler> kSamplers = {
+      {"grid", sweep::Sampler::grid}, {"random", sweep::Sampler::random}, {"sobol", sweep::Sampler::sobol}};
+  sweep
+      .add_option_function<std::string>(
+          "--sampler", [&o](const std::string& text) { o.sampler = kSamplers.at(text); },
+          "Use grid, random (default) or sobol")
+      ->check(one_of({"grid", "random", "sobol"}))
+      ->type_name("NAME");
+  sweep.add_option("--seed", o.seed, "Another seed gives other samples (default: 0)")->type_name("S");
+  sweep
+      .add_option_function<std::string>(
+          "--range", [&o](const std::string& text) { o.range = sample_range(text); },
+          "Only samples from I up to, without, J")
+      ->type_name("I:J");
+  sweep
+      .add_option_function<std::string>(
+          "--reduce",
+          [&o](const std::string& text) {
+            o.reduce.clear();
+            take_names(o.reduce, text, "--reduce");
+            for (const std::string& name : o.reduce) {
+              const std::vector<std::string>& known = sweep::figure_names();
+              if (std::find(known.begin(), known.end(), name) == known.end()) {
+                throw CLI::ValidationError(
+                    "--reduce", "knows min, max, min_time, max_time, mean, last and range, not \"" + name + "\"");
+              }
+            }
+          },
+          "Figures of each output (default: min,max)")
+      ->type_name("LIST");
+  sweep.add_option("--best", o.best, "List K samples with the smallest first figure")
+      ->check(whole_number(1))
+      ->type_name("K");
+  sweep.add_option("--strategy", o.strategy, "Solution strategy: auto (default), groups/lanes:8, ...")
+      ->type_name("TEXT");
+  CLI::Option* out = sweep.add_option("--out", o.out, "Write a CSV; an earlier one is continued")->required();
+  out->type_name("FILE");
+  add_common(sweep, call.common);
+  sweep.callback([&call, out] {
+    if (out->count() > 0 && call.sweep.out.empty()) throw CLI::ValidationError("--out", "expects a file name");
+    call.chosen = [&call] { return command::sweep(call.common, call.sweep); };
+  });
+}
+
 void add_compare(CLI::App& app, Invocation& call) {
   CLI::App& compare = *app.add_subcommand("compare", "Compare true errors and run times of strategies");
   CompareOptions& o = call.compare;
@@ -351,6 +415,7 @@ void add_commands(CLI::App& app, Invocation& call) {
   add_import(app, call);
   add_samples(app, call);
   add_plan(app, call);
+  add_sweep(app, call);
   add_compare(app, call);
   add_backends(app, call);
   add_db(app, call);

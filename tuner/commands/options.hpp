@@ -14,6 +14,7 @@ struct Invocation {
   command::ImportOptions model;
   command::InspectOptions inspect;
   command::RunOptions run;
+  command::SweepOptions sweep;
   command::CompareOptions compare;
   command::PlanOptions plan;
   command::DbOptions db;

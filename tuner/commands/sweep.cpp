@@ -1,0 +1,271 @@
+// assur sweep SCENE
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <iostream>
+#include <optional>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "assur/machine.hpp"
+#include "assur/structure.hpp"
+#include "commands/commands.hpp"
+#include "commands/interrupt.hpp"
+#include "commands/run_parts.hpp"
+#include "measure/step_times.hpp"
+#include "output/format.hpp"
+#include "output/json.hpp"
+#include "output/page.hpp"
+#include "output/progress.hpp"
+#include "scene/outputs.hpp"
+#include "sweep/sweep.hpp"
+
+namespace assur::command {
+namespace {
+
+using output::counted;
+using output::grouped;
+using output::Json;
+using output::Progress;
+using sweep::Row;
+
+[[noreturn]] void refuse(const std::string& option, const std::string& what) {
+  throw Error(Error::Kind::input, {{option, what}});
+}
+
+// Counts of all rows, and the best of them.
+struct Tally {
+  std::int64_t rows = 0, done = 0, jammed = 0, not_assembled = 0;
+  std::size_t most = 0;   // samples to keep in `best`
+  std::vector<Row> best;  // arrived, with the smallest first figures; ascending
+
+  void take(const Row& row) {
+    ++rows;
+    not_assembled += row.is_assembled() ? 0 : 1;
+    done += row.is_done() ? 1 : 0;
+    jammed += row.is_assembled() && !row.is_done() ? 1 : 0;
+    if (!row.is_done() || most == 0 || std::isnan(row.figures[0])) return;
+    const auto place = std::upper_bound(best.begin(), best.end(), row,
+                                        [](const Row& a, const Row& b) { return a.figures[0] < b.figures[0]; });
+    best.insert(place, row);
+    if (best.size() > most) best.pop_back();
+  }
+};
+
+Parameters with(const Parameters& set, const std::vector<sweep::Range>& vary, const std::vector<double>& values) {
+  Parameters all = set;
+  for (std::size_t i = 0; i < vary.size(); ++i) all[vary[i].name] = values[i];
+  return all;
+}
+
+// Empty if there is no valid scene at this point.
+std::optional<Scene> scene_or_none(const std::function<Scene(const std::vector<double>&)>& scene_at,
+                                   const std::vector<double>& point) {
+  try {
+    return scene_at(point);
+  } catch (const Error& e) {
+    if (e.kind() == Error::Kind::environment) throw;
+    return std::nullopt;
+  }
+}
+
+void check(const Common& common, const SweepOptions& options) {
+  for (std::size_t i = 0; i < options.vary.size(); ++i) {
+    const std::string& name = options.vary[i].name;
+    for (std::size_t j = 0; j < i; ++j) {
+      if (options.vary[j].name == name) refuse("--vary", "\"" + name + "\" is given twice");
+    }
+    if (common.set.contains(name)) refuse("--set", "\"" + name + "\" is varied, too; give it only once");
+  }
+  if (options.strategy != "auto" && parse_strategy(options.strategy).run.chunks > 1) {
+    refuse("--strategy", "samples use the lanes and threads; remove +chunks=");
+  }
+  if (options.range) {
+    const auto [from, to] = *options.range;
+    if (from < 0 || to <= from || to > options.samples) {
+      refuse("--range", "expects I:J with 0 <= I < J <= " + std::to_string(options.samples) + ", not " +
+                            std::to_string(from) + ":" + std::to_string(to));
+    }
+  }
+}
+
+// The file of rows. A file of an earlier call is continued after its last complete row, once its last block is found to
+// be the same; until then it is unchanged.
+class RowFile {
+ public:
+  RowFile(std::string name, const sweep::Sweep& sweep, std::int64_t first, Tally& tally)
+      : name_(std::move(name)), sweep_(sweep), first_(first) {
+    read(tally);
+    if (complete_ == 0) open();
+  }
+
+  [[nodiscard]] std::int64_t rows() const { return rows_; }
+
+  // The next rows, or rows that the file has already: they must be equal.
+  void put(const Row& row, Tally& tally) {
+    const std::string line = sweep::Sweep::line_of(row);
+    const std::int64_t at = row.sample - first_;
+    if (at < rows_) {
+      const std::string& had = last_[static_cast<std::size_t>(at - (rows_ - static_cast<std::int64_t>(last_.size())))];
+      if (had != line) {
+        refuse("--out", name_ + " has another row for sample " + std::to_string(row.sample) +
+                            ": it was made by another scene, seed, build or plan; choose another file or remove it");
+      }
+      return;
+    }
+    if (!out_.is_open()) open();
+    tally.take(row);
+    out_ << line << '\n';
+  }
+  void flush() {
+    if (out_.is_open() && !out_.flush()) fail();
+  }
+
+ private:
+  // Begins the file, or drops the row of an earlier call that is not complete.
+  void open() {
+    std::error_code trouble;
+    if (complete_ > 0) std::filesystem::resize_file(name_, complete_, trouble);
+    out_.open(name_, (complete_ > 0 ? std::ios::app : std::ios::trunc) | std::ios::binary);
+    if (complete_ == 0) out_ << sweep_.header() << '\n';
+    if (trouble || !out_.flush()) fail();
+  }
+
+  // Reads the rows of an earlier call.
+  void read(Tally& tally) {
+    std::ifstream in(name_, std::ios::binary);
+    std::string line;
+    const auto next = [&] { return std::getline(in, line) && !in.eof(); };  // without end it is not complete
+    if (!in || (!next() && sweep_.header().starts_with(line))) return;
+    if (line != sweep_.header()) {
+      refuse("--out", name_ + " has not the columns of this sweep; choose another file or remove it");
+    }
+    complete_ = line.size() + 1;
+    while (next()) {
+      const Row row = sweep_.parse(line);
+      if (row.sample != first_ + rows_) {
+        refuse("--out", name_ + " has sample " + std::to_string(row.sample) + " where this sweep has " +
+                            std::to_string(first_ + rows_) + "; choose another file or remove it");
+      }
+      tally.take(row);
+      complete_ += line.size() + 1;
+      if ((first_ + rows_) % sweep::Sweep::kBlock == 0) last_.clear();
+      last_.push_back(line);
+      ++rows_;
+    }
+  }
+  [[noreturn]] void fail() const { throw Error(Error::Kind::environment, {{"--out", name_ + " cannot be written"}}); }
+
+  std::string name_;
+  const sweep::Sweep& sweep_;
+  std::int64_t first_, rows_ = 0;  // rows of an earlier call
+  std::uintmax_t complete_ = 0;    // bytes of these rows and the first line
+  std::vector<std::string> last_;  // those of the last block among them
+  std::ofstream out_;
+};
+
+void print(const Common& common, const SweepOptions& options, const sweep::DesignSpace& space, const Tally& tally,
+           std::int64_t wanted, const std::vector<std::string>& figures, double seconds) {
+  if (common.json) {
+    Json best = Json::array();
+    for (const Row& row : tally.best) {
+      Json all = Json::object();
+      for (std::size_t i = 0; i < figures.size(); ++i) all[figures[i]] = row.figures[i];
+      best.push_back(
+          {{"sample", row.sample}, {"parameters", with({}, space.ranges(), row.parameters)}, {"figures", all}});
+    }
+    output::print(std::cout, {{"samples", tally.rows},
+                              {"done", tally.done},
+                              {"jammed", tally.jammed},
+                              {"not_assembled", tally.not_assembled},
+                              {"best", best},
+                              {"seconds", seconds},
+                              {"out", options.out}});
+    return;
+  }
+  output::Page page(std::cout);
+  page.title(options.scene + ": " + grouped(tally.rows) + " of " + counted(wanted, "sample"));
+  page.fact("done", grouped(tally.done));
+  page.fact("jammed", grouped(tally.jammed));
+  page.fact("not assembled", grouped(tally.not_assembled));
+  std::vector<std::string> best;
+  for (const Row& row : tally.best) {
+    std::string text = "sample " + grouped(row.sample) + ": " + figures[0] + " = " + output::number(row.figures[0]);
+    for (std::size_t i = 0; i < row.parameters.size(); ++i) {
+      text += ", " + space.ranges()[i].name + " = " + output::number(row.parameters[i]);
+    }
+    best.push_back(text);
+  }
+  page.list("best", best);
+  page.fact("time", output::duration(seconds));
+  page.fact("rows", options.out);
+}
+
+}  // namespace
+
+int sweep(const Common& common, const SweepOptions& options) {
+  check(common, options);
+  refuse_overwriting(common, {{"--out", options.out}}, {options.scene});
+  const sweep::DesignSpace space(options.vary, options.sampler, options.samples, options.seed);
+  const auto [first, last] = options.range.value_or(std::pair<std::int64_t, std::int64_t>{0, options.samples});
+
+  RunOptions as_run;
+  as_run.scene = options.scene;
+  as_run.outputs = options.outputs;
+  as_run.strategy = options.strategy;
+  as_run.mode = Mode::throughput;
+  PrepareOptions how = how_of(common, as_run);
+  if (!how.budget) how.budget = this_machine().budget();  // determined once for all samples
+  const auto scene_at = [&](const std::vector<double>& point) {
+    return scene_of(common, as_run, with(common.set, space.ranges(), point));
+  };
+  std::vector<double> middle;
+  for (const sweep::Range& r : space.ranges()) middle.push_back(r.low + (r.high - r.low) / 2);
+  const Scene scene = scene_at(middle);
+  refuse_overwriting({{"--out", options.out}}, scene);
+  const std::vector<std::string> columns = column_names(*analyze(scene).system);
+  if (columns.empty()) refuse("--outputs", "the scene has no outputs, so that there is nothing to keep");
+
+  const TimeGrid grid = scene.time();
+  const auto check_grid = [&](const Scene& other) {
+    if (other.time().start == grid.start && other.time().end == grid.end && other.time().step == grid.step) return;
+    refuse("--vary", "a parameter changes the time grid, which must be the same for all samples");
+  };
+  if (const std::optional<Scene> one = scene_or_none(scene_at, space.point(first))) check_grid(*one);
+  const auto prepared_at = [&](const std::vector<double>& point) {
+    const Scene at = scene_at(point);
+    check_grid(at);
+    return prepare(at, how);
+  };
+  StepLimits limits;
+  limits.stop = [] { return Interrupt::requested(); };
+  const sweep::Sweep sweep(space, prepared_at, columns, options.reduce, how.budget->threads, limits);
+
+  Tally tally;
+  tally.most = static_cast<std::size_t>(options.best);
+  RowFile file(options.out, sweep, first, tally);
+  Progress progress(std::cerr, common.quiet ? Progress::Style::none : Progress::style_of_standard_error(), "sample");
+  const double begin = measure::StepTimes::steady();
+  const Interrupt interrupt;
+  bool stopped = false;
+  const std::int64_t had = file.rows();
+  for (std::int64_t b = (first + std::max<std::int64_t>(had - 1, 0)) / sweep::Sweep::kBlock;
+       !stopped && b * sweep::Sweep::kBlock < last && had < last - first; ++b) {
+    const std::vector<Row> rows = sweep.block(b);
+    stopped = rows.empty();
+    for (const Row& row : rows) {
+      if (row.sample >= first && row.sample < last) file.put(row, tally);
+    }
+    file.flush();
+    progress.show(measure::StepTimes::steady() - begin, tally.rows, last - first);
+  }
+  progress.clear();
+  print(common, options, space, tally, last - first, sweep.figures(), measure::StepTimes::steady() - begin);
+  return stopped ? kInterrupted : kDone;
+}
+
+}  // namespace assur::command

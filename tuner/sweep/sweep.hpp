@@ -1,0 +1,63 @@
+// Samples of a design space, block by block: the members of an Ensemble, of which only figures are kept.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "assur/ensemble.hpp"
+#include "sweep/design_space.hpp"
+
+namespace assur::sweep {
+
+// One sample.
+struct Row {
+  std::int64_t sample = 0;
+  std::vector<double> parameters;
+  std::string status;           // name of a Code, or "not_assembled"
+  double reached = 0;           // last time with a valid posture, s; NaN if it was not assembled
+  std::vector<double> figures;  // NaN if it was not assembled
+
+  [[nodiscard]] bool is_assembled() const { return status != kNotAssembled; }
+  [[nodiscard]] bool is_done() const { return status == "ok" || status == "inaccurate"; }
+
+  static constexpr const char* kNotAssembled = "not_assembled";
+};
+
+// The names of figures: min, max, min_time, max_time, mean, last, range.
+[[nodiscard]] const std::vector<std::string>& figure_names();
+
+class Sweep {
+ public:
+  // Samples in a block. Blocks begin at multiples of it, wherever a range begins: the members of a pack, and with them
+  // the last bits of a row, are the same for every range.
+  static constexpr std::int64_t kBlock = 256;
+
+  // prepare: makes the mechanism of a sample; called by several threads. columns, figures: what is kept.
+  Sweep(const DesignSpace& space, std::function<Prepared(const std::vector<double>&)> prepare,
+        std::vector<std::string> columns, std::vector<std::string> figures, int threads, StepLimits limits);
+
+  // The samples from b * kBlock on. Empty if limits.stop asked to stop. Throws as Ensemble, but not for samples that
+  // cannot be prepared.
+  [[nodiscard]] std::vector<Row> block(std::int64_t b) const;
+
+  // The names of Row::figures: "handle1.max", ...
+  [[nodiscard]] std::vector<std::string> figures() const;
+
+  // The first line of a file of rows, and the line of a row; without line ends. Numbers are the shortest text that
+  // reads back as the same double; NaN is empty.
+  [[nodiscard]] std::string header() const;
+  [[nodiscard]] static std::string line_of(const Row& row);
+  // Reads a line back. Throws Error (input) if it is not the line of a row of this sweep.
+  [[nodiscard]] Row parse(const std::string& line) const;
+
+ private:
+  const DesignSpace& space_;
+  std::function<Prepared(const std::vector<double>&)> prepare_;
+  std::vector<std::string> columns_, figures_;
+  int threads_;
+  StepLimits limits_;
+};
+
+}  // namespace assur::sweep
