@@ -30,7 +30,7 @@ struct Harmonic {
 // Default tolerance for the derivatives that functions of the program return. assur compares them with differences, in
 // prepare() and along runs (docs/accuracy.md). The tolerated error is this fraction of the derivative, plus a tenth of
 // this fraction of the largest related derivative: of a Jacobian the largest entry of the same row, of a curvature the
-// largest product of such an entry and its rate, of a law the value or rate divided by the time that is examined.
+// largest product of such an entry and its rate, of a law the value or rate divided by 100 time steps.
 inline constexpr double kDerivativeTolerance = 1e-5;
 
 // A function of time, made of parts that are added: Law::constant(1) + Law::harmonics({...}). A law does not

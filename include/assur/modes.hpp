@@ -63,7 +63,7 @@ struct ModeChoice {
 // are assembled anew from their guess, and an index of their modes counts in the list that this function returns with
 // the choices for earlier groups. Throws Error: input if the scene is undetermined or a choice is wrong; numerical if
 // the scene has contradictory equations. A start posture that cannot be assembled is not an error:
-// AssemblyModes::has_start is false for the group at which it fails.
+// AssemblyModes::has_start is false for the group at which it fails, and the groups that depend on it have why_none.
 [[nodiscard]] std::vector<AssemblyModes> assembly_modes(const Scene& scene, const std::vector<ModeChoice>& chosen = {});
 
 // The modes of one group, given by its name or by a point, vector or scalar that it solves. Throws as above, and Error

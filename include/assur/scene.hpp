@@ -377,7 +377,8 @@ struct Limit {
   };
   std::string quantity;  // name of a measure, or "JOINT.angle", "JOINT.displacement"; one limit for each
   // In the unit of the quantity (rad, m); infinite: no limit on this side. A signed angle is followed through whole
-  // turns; it starts at the law of its driver, else within the limit if a number of whole turns brings it there.
+  // turns; it starts at the law of its driver, else within the limit if a number of whole turns brings it there. The
+  // output of this name begins in (-pi, pi], and may differ by whole turns.
   double min = -HUGE_VAL, max = HUGE_VAL;
   Reaction reaction = Reaction::end;
   std::string driver = {};  // build() sets it: the driver of the coordinate, if one of the joint's drivers has it

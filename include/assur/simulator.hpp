@@ -181,13 +181,14 @@ class Simulator {
   void retreat();
 
   // Called on the calling thread after each row of a run (with chunks less often) with the number of rows done and of
-  // all rows; returns false to stop the run, which then ends as `interrupted` if rows are left.
+  // all rows; returns false to stop the run, which then ends as `interrupted` if rows are left. It must not change the
+  // simulator.
   using Observer = std::function<bool(std::int64_t done, std::int64_t of)>;
-  // Runs from the start posture over the time grid of the scene. Calls reset() first, so targets are dropped and all
-  // drivers follow their laws. Stops at the first failure and returns the rows that were reached; report() has the
-  // status. The simulator then stands at the last row, or after a failure at the last good posture, which may be later;
-  // step() may go on from there. Exceptions from laws, callbacks and the observer propagate. Throws Error (environment)
-  // if there is no memory for the rows.
+  // Runs from the start posture over Prepared::time, the time grid of the scene unless the program changed it. Calls
+  // reset() first, so targets are dropped and all drivers follow their laws. Stops at the first failure and returns the
+  // rows that were reached; report() has the status. The simulator then stands at the last row, or after a failure at
+  // the last good posture, which may be later; step() may go on from there. Exceptions from laws, callbacks and the
+  // observer propagate. Throws Error (environment) if there is no memory for the rows.
   //
   // A large mechanism (tens of thousands of unknowns) that falls into independent parts is run part after part, without
   // an observer; the last bits of its motion may then differ from those of single steps.
@@ -249,8 +250,8 @@ struct ForwardError {
 [[nodiscard]] Certificate certify(const Simulator& simulator);
 
 // Proves each row of a trajectory; returns one certificate for each row. Repeats the steps one after the other. A row
-// that is not reproduced bit by bit gets no proof: it was computed in chunks or part after part, with other limits, or
-// with drivers that the observer set. Throws Error as the function above and as Simulator. Needs the library
+// that is not reproduced bit by bit gets no proof: it was computed in chunks or part after part, or with other
+// limits. Throws Error as the function above and as Simulator. Needs the library
 // assur::assur.
 [[nodiscard]] std::vector<Certificate> certify(const Prepared& prepared, const Trajectory& trajectory,
                                                StepLimits limits = {});

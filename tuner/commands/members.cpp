@@ -8,11 +8,6 @@ namespace {
 
 constexpr std::size_t kMostParameters = 4;  // number of parameters shown for one member
 
-std::string one_line(std::string text) {
-  for (std::size_t at = 0; (at = text.find('\n', at)) != std::string::npos;) text.replace(at, 1, "; ");
-  return text;
-}
-
 Members::Failure failure_of(const Ensemble::Outcome& outcome) {
   Members::Failure failure;
   if (!outcome.cannot.empty()) {

@@ -40,12 +40,18 @@ using sweep::Row;
 // Counts of all rows, and the best of them.
 struct Tally {
   std::int64_t rows = 0, done = 0, jammed = 0, not_assembled = 0;
-  std::size_t most = 0;   // samples to keep in `best`
-  std::vector<Row> best;  // arrived, with the smallest first figures; ascending
+  std::size_t most = 0;       // samples to keep in `best`
+  std::vector<Row> best;      // arrived, with the smallest first figures; ascending
+  std::int64_t example = -1;  // the first sample with a known reason why it was not assembled
+  std::string why;
 
   void take(const Row& row) {
     ++rows;
     not_assembled += row.is_assembled() ? 0 : 1;
+    if (example < 0 && !row.why.empty()) {
+      example = row.sample;
+      why = row.why;
+    }
     done += row.is_done() ? 1 : 0;
     jammed += row.is_assembled() && !row.is_done() ? 1 : 0;
     if (!row.is_done() || most == 0 || std::isnan(row.figures[0])) return;
@@ -178,13 +184,15 @@ void print(const Common& common, const SweepOptions& options, const sweep::Desig
       best.push_back(
           {{"sample", row.sample}, {"parameters", with({}, space.ranges(), row.parameters)}, {"figures", all}});
     }
-    output::print(std::cout, {{"samples", tally.rows},
-                              {"done", tally.done},
-                              {"jammed", tally.jammed},
-                              {"not_assembled", tally.not_assembled},
-                              {"best", best},
-                              {"seconds", seconds},
-                              {"out", options.out}});
+    output::print(std::cout,
+                  {{"samples", tally.rows},
+                   {"done", tally.done},
+                   {"jammed", tally.jammed},
+                   {"not_assembled", tally.not_assembled},
+                   {"why_not", tally.example < 0 ? Json(nullptr) : Json{{"sample", tally.example}, {"why", tally.why}}},
+                   {"best", best},
+                   {"seconds", seconds},
+                   {"out", options.out}});
     return;
   }
   output::Page page(std::cout);
@@ -192,6 +200,7 @@ void print(const Common& common, const SweepOptions& options, const sweep::Desig
   page.fact("done", grouped(tally.done));
   page.fact("jammed", grouped(tally.jammed));
   page.fact("not assembled", grouped(tally.not_assembled));
+  if (tally.example >= 0) page.fact("", "sample " + grouped(tally.example) + ": " + output::one_line(tally.why));
   std::vector<std::string> best;
   for (const Row& row : tally.best) {
     std::string text = "sample " + grouped(row.sample) + ": " + figures[0] + " = " + output::number(row.figures[0]);

@@ -40,6 +40,11 @@ std::string duration(double seconds) {
   return assur::fixed(value, std::abs(value) < 9.995 ? 2 : std::abs(value) < 99.95 ? 1 : 0) + unit->name;
 }
 
+std::string one_line(std::string text) {
+  for (std::size_t at = 0; (at = text.find('\n', at)) != std::string::npos;) text.replace(at, 1, "; ");
+  return text;
+}
+
 std::string number(double value) { return general(value, 6); }
 
 std::string fixed(double value) { return assur::fixed(value, 2); }

@@ -23,6 +23,9 @@ inline constexpr std::size_t kPageWidth = 80;  // columns
 // Six digits: "10", "0.01", "1.5708".
 [[nodiscard]] std::string number(double value);
 
+// The lines of a text, joined by "; ".
+[[nodiscard]] std::string one_line(std::string text);
+
 // Two decimals: "1.00".
 [[nodiscard]] std::string fixed(double value);
 

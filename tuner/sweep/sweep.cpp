@@ -105,6 +105,7 @@ std::vector<Row> Sweep::block(std::int64_t b) const {
     if (stopped()) return {};
     for (std::size_t i = 0; i < count; ++i) {
       const Ensemble::Outcome& outcome = ensemble.outcomes()[i];
+      rows[i].why = outcome.cannot;
       if (!outcome.cannot.empty()) continue;
       rows[i].status = name(outcome.status.code);
       rows[i].reached = outcome.reached;
@@ -118,6 +119,7 @@ std::vector<Row> Sweep::block(std::int64_t b) const {
     const bool none_is_prepared =
         std::all_of(attempts.errors.begin(), attempts.errors.end(), [](const auto& error) { return error != nullptr; });
     if (e.kind() == Error::Kind::environment || !none_is_prepared) throw;
+    for (Row& row : rows) row.why = e.what();  // the first reason
   }
   return rows;
 }

@@ -18,6 +18,7 @@ struct Row {
   std::string status;           // name of a Code, or "not_assembled"
   double reached = 0;           // last time with a valid posture, s; NaN if it was not assembled
   std::vector<double> figures;  // NaN if it was not assembled
+  std::string why;              // reason why it was not assembled; a file does not have it
 
   [[nodiscard]] bool is_assembled() const { return status != kNotAssembled; }
   [[nodiscard]] bool is_done() const { return status == "ok" || status == "inaccurate"; }
