@@ -15,8 +15,9 @@ namespace assur {
 // Choices that a model leaves open.
 struct ModelOptions {
   std::string key = {};  // name of the keyframe at which the motion starts; "": at the posture of the model (qpos0)
-  // Joints and their laws, which count from the start posture, in rad or m: a law of the scene format, the coefficients
-  // of a polynomial of t ("0,6.28"), or "free" for an actuated joint that is not to be driven.
+  // Joints and their laws, which count from the posture as written (of the model, or of the keyframe), in rad or m: a
+  // law of the scene format, the coefficients of a polynomial of t ("0,6.28"), or "free" for an actuated joint that is
+  // not to be driven.
   std::vector<std::pair<std::string, std::string>> drive = {};
   // Folders for the tables of these laws, besides that of the model.
   std::vector<std::filesystem::path> tables = {};
@@ -27,8 +28,8 @@ struct ImportedModel {
   // A hinge or slide.
   struct Coordinate {
     std::string joint;  // name in the model, or the one given to it
-    std::string name;   // in the scene: "hip.angle", "leg.displacement"; 0 in the start posture
-    double start = 0;   // the value of MuJoCo (qpos) in the start posture: qpos = start + coordinate; rad or m
+    std::string name;   // in the scene: "hip.angle", "leg.displacement"; 0 in the posture as written
+    double start = 0;   // the value of MuJoCo (qpos) in the posture as written: qpos = start + coordinate; rad or m
     bool driven = false;
   };
   struct Driver {

@@ -44,7 +44,7 @@ struct AssemblyModes {
   // Real multiple solutions, each once: values of `unknowns`, about six digits. They are not modes.
   std::vector<std::vector<double>> folds;
 
-  // True if no mode is missing: the group was computed, and no path was lost.
+  // True if no mode within 1000 characteristic lengths is missing: the group was computed, and no path was lost.
   [[nodiscard]] bool complete() const { return why_none.empty() && lost == 0; }
   // Number of the mode in which a point (or vector) of the group is nearest to `at` (m), counted from 0. Components
   // that are no unknowns of the group do not count. Throws Error (input) if there is no mode, if the group does not

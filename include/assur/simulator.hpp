@@ -114,8 +114,8 @@ class SimulatorState {
 // moment; in the child they start new threads.
 //
 // Single steps use no chunks. P threads (RunSettings::threads) solve P packs of a level, or P packs of chunks, at once.
-// Then several threads call callbacks at the same time, and with chunks also laws. The motion is bitwise identical for
-// every P.
+// Then several threads call callbacks at the same time, and with chunks also laws. With the same C, the motion is
+// bitwise identical for every P.
 //
 // References and spans that a simulator returns are valid until its next call that is not const.
 class Simulator {
@@ -133,7 +133,8 @@ class Simulator {
 
   // Moves to time t (s), which may be earlier than time(), and to the targets that were set, by continuation: the step
   // is divided where needed. If it fails, the status gives the reason, and the simulator keeps the last good posture on
-  // the way, at time(); targets are dropped, and the drivers that were set, also for this step only, rest there.
+  // the way, at time(); targets are dropped, and each driver that has ever been set, also if this step was its
+  // first, rests there until its next target.
   // Code::inaccurate is not a failure: time t is reached, and an event gives the estimated error. If t is time(),
   // nothing happens and targets wait; if t is not finite, the step fails as not_finite, nothing moves, and targets
   // wait. Exceptions from laws and callbacks propagate, and leave the last good posture as well.

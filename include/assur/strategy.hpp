@@ -63,7 +63,7 @@ struct RunSettings {
   bool together = false;
   Predictor predictor = {};  // extrapolation to the next time
   std::int32_t chunks = 1;   // C: pieces of the time grid that run side by side; changes the last bits of the motion
-  std::int32_t threads = 1;  // P: packs that are solved at once; the motion is bitwise identical for every P
+  std::int32_t threads = 1;  // P: packs that are solved at once; changes no bit of the motion, if C is the same
 
   friend bool operator==(const RunSettings&, const RunSettings&) = default;
 };
