@@ -135,7 +135,7 @@ TEST(Sweep, ContinuesAFileThatWasCutAnywhere) {
     for (const char* key : {"seconds", "why_not"}) json.erase(key);
     EXPECT_EQ(json, expected) << share;
   }
-  // Another seed, other columns, another range.
+  // Another seed, other columns, another range, fewer samples, and a whole file of another seed.
   const std::string half = all.substr(0, all.size() / 2);
   for (const auto& [more, text] : std::vector<std::pair<std::vector<std::string>, std::string>>{
            {{"--samples", "600", "--range", "100:600", "--seed", "1"}, "has another row for sample"},
@@ -146,6 +146,15 @@ TEST(Sweep, ContinuesAFileThatWasCutAnywhere) {
     EXPECT_EQ(refused.status, 2);
     EXPECT_NE(refused.err.find(text), std::string::npos) << refused.err;
     EXPECT_TRUE(content(out) == half) << text;
+  }
+  for (const auto& [more, text] : std::vector<std::pair<std::vector<std::string>, std::string>>{
+           {{"--samples", "600", "--range", "100:600", "--seed", "1"}, "has another row for sample"},
+           {{"--samples", "600", "--range", "100:599"}, "has more than the 499 samples"}}) {
+    std::ofstream(out, std::ios::binary) << all;
+    const Outcome refused = run_command(sweep_of(out, more));
+    EXPECT_EQ(refused.status, 2);
+    EXPECT_NE(refused.err.find(text), std::string::npos) << refused.err;
+    EXPECT_TRUE(content(out) == all) << text;
   }
 }
 
@@ -188,6 +197,9 @@ TEST(Sweep, RefusesWrongOptions) {
   const Outcome grid = run_command({"sweep", kFourBar, "--vary", "step=0.1:0.2", "--samples", "10", "--out", out});
   EXPECT_EQ(grid.status, 2);
   EXPECT_NE(grid.err.find("time grid"), std::string::npos) << grid.err;
+  const Outcome stream = run_command({"sweep", kFourBar, "--vary", "omega=1:2", "--samples", "10", "--out", "-"});
+  EXPECT_EQ(stream.status, 2);
+  EXPECT_NE(stream.err.find("rows are kept in a file"), std::string::npos) << stream.err;
 }
 
 }  // namespace

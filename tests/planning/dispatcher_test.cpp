@@ -10,6 +10,7 @@
 #include "assur/assur.hpp"
 #include "made_up_machine.hpp"
 #include "planning/candidates.hpp"
+#include "planning/counts.hpp"
 #include "planning/dispatcher.hpp"
 
 namespace assur {
@@ -281,7 +282,7 @@ TEST(Dispatcher, FillsLanesWithMechanismsInThroughput) {
   for (const Plan::Choice& c : plan.choices) EXPECT_EQ(c.solver.lanes, plan.lanes);
 }
 
-TEST(ChooseSolver, ChoosesForManyLinearSystems) {
+Pattern dense_pattern() {
   Pattern dense;
   dense.n = 40;
   dense.column_start = {0};
@@ -289,6 +290,11 @@ TEST(ChooseSolver, ChoosesForManyLinearSystems) {
     for (std::int32_t i = 0; i < dense.n; ++i) dense.row.push_back(i);
     dense.column_start.push_back(dense.nnz());
   }
+  return dense;
+}
+
+TEST(ChooseSolver, ChoosesForManyLinearSystems) {
+  const Pattern dense = dense_pattern();
   const Candidate one = choose_solver(dense, 1, 1, {.model = model(), .budget = ThreadBudget{1}});
   EXPECT_EQ(one.strategy.solver.lanes, 1);
   EXPECT_EQ(one.why_not, "");
@@ -298,6 +304,25 @@ TEST(ChooseSolver, ChoosesForManyLinearSystems) {
   EXPECT_GE(many.strategy.solver.lanes, 8);
   EXPECT_THROW((void)choose_solver(dense, 0), Error);
   EXPECT_THROW((void)choose_solver(dense, 1, -1), Error);
+}
+
+// Backend::make() does not refine, so that factors in float would cost accuracy, however fast they are.
+TEST(ChooseSolver, TakesSolversInDouble) {
+  const Pattern dense = dense_pattern();
+  const Shape shape = shape_of(dense, 1000);
+  std::mt19937_64 random(1);
+  std::vector<Sample> known = samples();
+  Strategy in_float = solver("lanes", 16);
+  in_float.solver.single = true;
+  for (const Kernel kernel : {Kernel::factor, Kernel::solve}) {
+    known.push_back(sample_of(kernel, shape, in_float, 0, random));
+    known.back().seconds = 1e-9;
+  }
+  const CandidateOptions options{.model = std::make_shared<PerformanceModel>(known), .budget = ThreadBudget{1}};
+  ASSERT_TRUE(candidates(shape, options)[0].strategy.solver.single);
+  const Candidate chosen = choose_solver(dense, 1000, 1, options);
+  EXPECT_FALSE(chosen.strategy.solver.single);
+  EXPECT_EQ(chosen.why_not, "");
 }
 
 TEST(Candidates, UseOneThreadForShortSolutions) {

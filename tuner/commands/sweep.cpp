@@ -80,6 +80,7 @@ std::optional<Scene> scene_or_none(const std::function<Scene(const std::vector<d
 }
 
 void check(const Common& common, const SweepOptions& options) {
+  if (options.out == "-") refuse("--out", "rows are kept in a file, so that a sweep can go on; give its name");
   for (std::size_t i = 0; i < options.vary.size(); ++i) {
     const std::string& name = options.vary[i].name;
     for (std::size_t j = 0; j < i; ++j) {
@@ -103,8 +104,9 @@ void check(const Common& common, const SweepOptions& options) {
 // be the same; until then it is unchanged.
 class RowFile {
  public:
-  RowFile(std::string name, const sweep::Sweep& sweep, std::int64_t first, Tally& tally)
-      : name_(std::move(name)), sweep_(sweep), first_(first) {
+  // Of the samples from `first` up to, without, `last`.
+  RowFile(std::string name, const sweep::Sweep& sweep, std::int64_t first, std::int64_t last, Tally& tally)
+      : name_(std::move(name)), sweep_(sweep), first_(first), wanted_(last - first) {
     read(tally);
     if (complete_ == 0) open();
   }
@@ -152,6 +154,7 @@ class RowFile {
     }
     complete_ = line.size() + 1;
     while (next()) {
+      if (rows_ == wanted_) refuse_longer();
       const Row row = sweep_.parse(line);
       if (row.sample != first_ + rows_) {
         refuse("--out", name_ + " has sample " + std::to_string(row.sample) + " where this sweep has " +
@@ -163,14 +166,19 @@ class RowFile {
       last_.push_back(line);
       ++rows_;
     }
+    if (rows_ == wanted_ && !line.empty()) refuse_longer();
+  }
+  [[noreturn]] void refuse_longer() const {
+    refuse("--out", name_ + " has more than the " + counted(wanted_, "sample") +
+                        " of this sweep; choose another file or remove it");
   }
   [[noreturn]] void fail() const { throw Error(Error::Kind::environment, {{"--out", name_ + " cannot be written"}}); }
 
   std::string name_;
   const sweep::Sweep& sweep_;
-  std::int64_t first_, rows_ = 0;  // rows of an earlier call
-  std::uintmax_t complete_ = 0;    // bytes of these rows and the first line
-  std::vector<std::string> last_;  // those of the last block among them
+  std::int64_t first_, wanted_, rows_ = 0;  // rows of an earlier call
+  std::uintmax_t complete_ = 0;             // bytes of these rows and the first line
+  std::vector<std::string> last_;           // those of the last block among them
   std::ofstream out_;
 };
 
@@ -256,14 +264,14 @@ int sweep(const Common& common, const SweepOptions& options) {
 
   Tally tally;
   tally.most = static_cast<std::size_t>(options.best);
-  RowFile file(options.out, sweep, first, tally);
+  RowFile file(options.out, sweep, first, last, tally);
   Progress progress(std::cerr, common.quiet ? Progress::Style::none : Progress::style_of_standard_error(), "sample");
   const double begin = measure::StepTimes::steady();
   const Interrupt interrupt;
   bool stopped = false;
-  const std::int64_t had = file.rows();
-  for (std::int64_t b = (first + std::max<std::int64_t>(had - 1, 0)) / sweep::Sweep::kBlock;
-       !stopped && b * sweep::Sweep::kBlock < last && had < last - first; ++b) {
+  // The block of the last row of an earlier call is computed again, to compare it.
+  for (std::int64_t b = (first + std::max<std::int64_t>(file.rows() - 1, 0)) / sweep::Sweep::kBlock;
+       !stopped && b * sweep::Sweep::kBlock < last; ++b) {
     const std::vector<Row> rows = sweep.block(b);
     stopped = rows.empty();
     for (const Row& row : rows) {

@@ -5,16 +5,15 @@
 #include <charconv>
 #include <cmath>
 #include <exception>
-#include <limits>
 #include <optional>
 #include <utility>
 
+#include "numbers.hpp"
 #include "parallel/team.hpp"
+#include "scene/names.hpp"
 
 namespace assur::sweep {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 double figure_of(const ColumnSummary& s, const std::string& name) {
   if (name == "min") return s.minimum;
@@ -26,11 +25,7 @@ double figure_of(const ColumnSummary& s, const std::string& name) {
   return s.range();
 }
 
-std::string text_of(double number) {
-  if (std::isnan(number)) return "";
-  char text[32];
-  return {text, std::to_chars(text, text + sizeof text, number).ptr};
-}
+std::string text_of(double number) { return std::isnan(number) ? "" : shortest(number); }
 
 [[noreturn]] void refuse_line(const std::string& line) {
   throw Error(Error::Kind::input, "\"" + line.substr(0, 60) + "\" is not a row of this sweep");
