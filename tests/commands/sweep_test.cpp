@@ -137,24 +137,22 @@ TEST(Sweep, ContinuesAFileThatWasCutAnywhere) {
   }
   // Another seed, other columns, another range, fewer samples, and a whole file of another seed.
   const std::string half = all.substr(0, all.size() / 2);
-  for (const auto& [more, text] : std::vector<std::pair<std::vector<std::string>, std::string>>{
-           {{"--samples", "600", "--range", "100:600", "--seed", "1"}, "has another row for sample"},
-           {{"--samples", "600", "--range", "100:600", "--reduce", "max"}, "has not the columns"},
-           {{"--samples", "600", "--range", "0:600"}, "where this sweep has 0"}}) {
-    std::ofstream(out, std::ios::binary) << half;
+  struct Refused {
+    std::vector<std::string> more;
+    std::string before, text;
+  };
+  for (const Refused& r : {Refused{{"--range", "100:600", "--seed", "1"}, half, "has another row for sample"},
+                           Refused{{"--range", "100:600", "--reduce", "max"}, half, "has not the columns"},
+                           Refused{{"--range", "0:600"}, half, "where this sweep has 0"},
+                           Refused{{"--range", "100:600", "--seed", "1"}, all, "has another row for sample"},
+                           Refused{{"--range", "100:599"}, all, "has more than the 499 samples"}}) {
+    std::ofstream(out, std::ios::binary) << r.before;
+    std::vector<std::string> more = {"--samples", "600"};
+    more.insert(more.end(), r.more.begin(), r.more.end());
     const Outcome refused = run_command(sweep_of(out, more));
     EXPECT_EQ(refused.status, 2);
-    EXPECT_NE(refused.err.find(text), std::string::npos) << refused.err;
-    EXPECT_TRUE(content(out) == half) << text;
-  }
-  for (const auto& [more, text] : std::vector<std::pair<std::vector<std::string>, std::string>>{
-           {{"--samples", "600", "--range", "100:600", "--seed", "1"}, "has another row for sample"},
-           {{"--samples", "600", "--range", "100:599"}, "has more than the 499 samples"}}) {
-    std::ofstream(out, std::ios::binary) << all;
-    const Outcome refused = run_command(sweep_of(out, more));
-    EXPECT_EQ(refused.status, 2);
-    EXPECT_NE(refused.err.find(text), std::string::npos) << refused.err;
-    EXPECT_TRUE(content(out) == all) << text;
+    EXPECT_NE(refused.err.find(r.text), std::string::npos) << refused.err;
+    EXPECT_TRUE(content(out) == r.before) << r.text;
   }
 }
 
