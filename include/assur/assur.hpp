@@ -4,7 +4,9 @@
 #pragma once
 
 #include "assur/backend.hpp"       // IWYU pragma: export
+#include "assur/curve.hpp"         // IWYU pragma: export
 #include "assur/ensemble.hpp"      // IWYU pragma: export
+#include "assur/fleet.hpp"         // IWYU pragma: export
 #include "assur/law.hpp"           // IWYU pragma: export
 #include "assur/machine.hpp"       // IWYU pragma: export
 #include "assur/mjcf.hpp"          // IWYU pragma: export

@@ -9,6 +9,8 @@
 
 #include <hwy/highway.h>
 
+#include <cstdint>
+
 #include "numbers.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -103,6 +105,17 @@ struct Lanes {
       hn::Mask<D> both = m[0];
       for (int i = 1; i < kVectors; ++i) both = hn::And(both, m[i]);
       return hn::AllTrue(D(), both);
+    }
+    // Bit i is lane i.
+    HWY_INLINE unsigned bits() const {
+      static_assert(W <= 16 && kEach <= 8);
+      unsigned out = 0;
+      for (int i = 0; i < kVectors; ++i) {
+        std::uint8_t bytes[8];
+        hn::StoreMaskBits(D(), m[i], bytes);
+        out |= (bytes[0] & ((1U << kEach) - 1)) << (i * kEach);
+      }
+      return out;
     }
   };
   // Both are false for NaN.

@@ -1,0 +1,54 @@
+// Joints of a planar linkage at eight times, side by side in the SIMD target of the machine.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "assur/fleet.hpp"
+#include "parallel/cache_line.hpp"
+
+namespace assur {
+
+inline constexpr std::size_t kTimes = 8;
+
+// A joint with what its evaluation needs.
+struct PreparedJoint {
+  LinkageJoint::Kind kind = LinkageJoint::Kind::ground;
+  std::uint16_t first = 0, second = 0;
+  double a = 0, b = 0, c = 0;  // LinkageJoint::value
+  double difference = 0;       // dyad: (a - b) (a + b)
+  double least = 0, most = 0;  // dyad: limits of the squared distance of its parents
+  double per_square[2] = {};   // dyad: 1 / a^2, 1 / b^2
+  double side = 0;             // dyad: 1 left, -1 right
+  double rounding[2] = {};     // dyad: rounding unit with a random sign, times a and b
+};
+
+// A joint at the times of a block.
+struct alignas(kLineBytes) JointBlock {
+  double x[kTimes], y[kTimes], vx[kTimes], vy[kTimes];
+  double error_x[kTimes], error_y[kTimes];  // by rounding, to first order
+  // Of a dyad, the squared distance of its parents and its derivative: at the time before the block in [kBefore], at
+  // its times in [kBefore + 1] and so on.
+  double square[2 * kTimes], rate[2 * kTimes];
+
+  static constexpr std::size_t kBefore = kTimes - 1;
+};
+
+// Figures of a block.
+struct BlockFigures {
+  double residual = 0;      // the largest relative one of all dyads and all times before the first failure
+  unsigned closed = 0;      // number of times before the first one at which a dyad cannot be closed
+  std::int32_t joint = -1;  // this dyad
+};
+
+struct DyadKernels {
+  // Evaluates all joints. blocks: one for each joint.
+  BlockFigures (*evaluate)(std::span<const PreparedJoint> joints, const double* times, JointBlock* blocks);
+  // Bit i: the interval from the time before times[i] to times[i] must be divided. steps: lengths of these intervals.
+  unsigned (*doubtful)(std::span<const PreparedJoint> joints, const double* steps, const JointBlock* blocks);
+};
+
+[[nodiscard]] const DyadKernels& dyad_kernels();
+
+}  // namespace assur

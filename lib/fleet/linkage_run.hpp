@@ -1,0 +1,54 @@
+// The motion of one linkage over its times.
+#pragma once
+
+#include <array>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "assur/fleet.hpp"
+#include "fleet/dyad_kernels.hpp"
+#include "fleet/linkage.hpp"
+
+namespace assur {
+
+// Runs linkages, one after another; keeps its memory.
+class LinkageRun {
+ public:
+  LinkageRun();
+
+  // The result is valid until the next call. options.threads has no effect.
+  const LinkageMotion& run(const PreparedLinkage& linkage, std::span<const double> times, const FleetOptions& options);
+
+  [[nodiscard]] std::int64_t divided() const { return divided_; }  // intervals, of all runs
+
+ private:
+  // Eight times, and all joints at them.
+  struct Block {
+    std::array<double, kTimes> times{}, steps{};
+    std::vector<JointBlock, LineAllocator<JointBlock>> joints;
+    BlockFigures figures;
+    unsigned doubtful = 0;
+  };
+
+  [[nodiscard]] Block& block(std::size_t level);
+  void set_before(Block& block, const Block& from, int i) const;
+  void evaluate(Block& block, double start);
+  [[nodiscard]] bool pass(std::size_t level);
+  [[nodiscard]] bool pass_interval(std::size_t level, unsigned i);
+  void follow_to_limit(std::size_t level, unsigned i);
+  void end(Code code, double reached, double not_beyond, std::int32_t joint);
+  void cannot_begin(const Block& block);
+  void take(const Block& block, std::size_t rows);
+  void judge(double accuracy);
+
+  const PreparedLinkage* linkage_ = nullptr;
+  std::vector<Block> blocks_;  // of the run, and of intervals within intervals
+  std::vector<PlanePoint> path_;
+  LinkageMotion motion_;
+  double error_ = 0, largest_ = 0;  // of the traced joint, m
+  double tolerance_ = 0;            // of the time of a limit, s
+  std::int64_t divided_ = 0;
+};
+
+}  // namespace assur
