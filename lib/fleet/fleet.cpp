@@ -16,7 +16,12 @@ namespace {
 
 constexpr std::size_t kTogether = 32;  // linkages that a thread takes at once
 
-std::string name_of(std::size_t linkage) { return "linkage " + std::to_string(linkage) + " (counted from 0)"; }
+// Throws for a linkage that is not valid.
+void take(const Linkage& linkage, std::size_t i, PreparedLinkage& to) {
+  const std::string trouble = to.take(linkage);
+  if (trouble.empty()) return;
+  throw Error(Error::Kind::input, "linkage " + std::to_string(i) + " (counted from 0): " + trouble);
+}
 
 void count(const LinkageMotion& motion, std::int64_t dyads, FleetReport& report) {
   ++report.linkages;
@@ -43,9 +48,7 @@ void merge(FleetReport& sum, const FleetReport& o) {
 
 Fleet::Fleet(std::vector<Linkage> linkages) : size_(linkages.size()) {
   PreparedLinkage check;
-  for (std::size_t i = 0; i < size_; ++i) {
-    check.take(linkages[i], [i] { return name_of(i); });
-  }
+  for (std::size_t i = 0; i < size_; ++i) take(linkages[i], i, check);
   source_ = [stored = std::make_shared<const std::vector<Linkage>>(std::move(linkages))](std::size_t i, Linkage& to) {
     to = (*stored)[i];
   };
@@ -81,7 +84,7 @@ FleetReport Fleet::run(std::span<const double> times, const Sink& sink, const Fl
             return;
           }
           source_(i, linkage);
-          prepared.take(linkage, [i] { return name_of(i); });
+          take(linkage, i, prepared);
           const LinkageMotion& motion = run.run(prepared, times, options);
           count(motion, prepared.dyads(), report);
           report.divided = run.divided();

@@ -59,7 +59,7 @@ PreparedJoint prepared(const LinkageJoint& joint, std::size_t own) {
 
 }  // namespace
 
-std::string PreparedLinkage::try_to_take(const Linkage& linkage) {
+std::string PreparedLinkage::take(const Linkage& linkage) {
   const auto at = [](std::size_t j, const std::string& trouble) {
     return "joint " + std::to_string(j) + " (counted from 0) " + trouble;
   };

@@ -12,16 +12,8 @@ namespace assur {
 // A linkage without its traced joint; memory is kept from one linkage to the next.
 class PreparedLinkage {
  public:
-  // Throws Error (input) for a linkage that is not valid; `name` is the place in the message.
-  void take(const Linkage& linkage, const std::string& name) {
-    take(linkage, [&] { return name; });
-  }
-  template <class Name>
-  void take(const Linkage& linkage, const Name& name) {
-    if (const std::string trouble = try_to_take(linkage); !trouble.empty()) {
-      throw Error(Error::Kind::input, {{name(), trouble}});
-    }
-  }
+  // Returns what is wrong with the linkage; "": nothing, and it is ready.
+  [[nodiscard]] std::string take(const Linkage& linkage);
 
   [[nodiscard]] std::span<const PreparedJoint> joints() const { return joints_; }
   [[nodiscard]] std::size_t traced() const { return traced_; }
@@ -29,8 +21,6 @@ class PreparedLinkage {
   [[nodiscard]] double mean_length() const { return mean_length_; }  // of cranks and dyads; 1 if there are none
 
  private:
-  [[nodiscard]] std::string try_to_take(const Linkage& linkage);
-
   std::vector<PreparedJoint> joints_;
   std::size_t traced_ = 0;
   std::int64_t dyads_ = 0;

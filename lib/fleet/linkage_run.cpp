@@ -13,7 +13,10 @@ constexpr std::size_t kDeepest = 10;
 // From here on, the time of a limit is found by the cubic through both ends of an interval.
 constexpr std::size_t kSmooth = 2;
 constexpr double kTimeTolerance = 1e-10;  // of a limit, relative to the interval between two times
-constexpr double kStretched = 1e-12;      // relative distance from a limit that counts as stretched or folded
+// Next to a limit, doubtful intervals shorter than this part of the interval with the limit are not divided: rounding
+// looks like doubt there.
+constexpr double kCloseToLimit = 1e-4;
+constexpr double kStretched = 1e-12;  // relative distance from a limit that counts as stretched or folded
 
 // The zero in [0, 1] of the cubic with these values and slopes at 0 and 1; values have different signs.
 double zero_of_cubic(double from, double from_slope, double to, double to_slope) {
@@ -108,6 +111,7 @@ void LinkageRun::follow_to_limit(std::size_t level, unsigned i) {
   Block& inner = blocks_[level + 1];
   const Block& outer = blocks_[level];
   double to = outer.times[i], from = to - outer.steps[i];
+  const double whole = to - from;
   std::int32_t joint = outer.figures.joint;
   struct End {
     double square, rate;
@@ -130,6 +134,11 @@ void LinkageRun::follow_to_limit(std::size_t level, unsigned i) {
     inner.times[kTimes - 1] = to;
     evaluate(inner, from);
     const unsigned closed = inner.figures.closed;
+    const unsigned doubts = dyad_kernels().doubtful(linkage_->joints(), inner.steps.data(), inner.joints.data());
+    for (unsigned k = 0; k < closed; ++k) {
+      const bool doubtful = (doubts >> k & 1) != 0 && inner.steps[k] > kCloseToLimit * whole;
+      if (doubtful && !pass_interval(level + 1, k)) return;
+    }
     if (closed == kTimes) break;  // rounding at the end of the interval
     joint = inner.figures.joint;
     to = inner.times[closed];

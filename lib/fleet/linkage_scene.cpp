@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <iterator>
 #include <string>
 #include <utility>
 
@@ -8,7 +10,9 @@ namespace assur {
 
 Scene scene_of(const Linkage& linkage, const TimeGrid& time, std::string name) {
   PreparedLinkage prepared;
-  prepared.take(linkage, name);
+  if (const std::string trouble = prepared.take(linkage); !trouble.empty()) {
+    throw Error(Error::Kind::input, name + ": " + trouble);
+  }
   double times[kTimes];
   std::fill(std::begin(times), std::end(times), time.start);
   std::vector<JointBlock, LineAllocator<JointBlock>> at(prepared.joints().size());
