@@ -159,6 +159,7 @@ int import_scene(const Common& common, const ImportOptions& options);
 int inspect(const Common& common, const InspectOptions& options);
 int run(const Common& common, const RunOptions& options);
 int sweep(const Common& common, const SweepOptions& options);
+int sweep_linkages(const Common& common, const SweepOptions& options);  // sweep of the sample `linkages`
 int compare(const Common& common, const CompareOptions& options);
 int plan(const Common& common, const PlanOptions& options);
 int backends(const Common& common);

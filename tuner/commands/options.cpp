@@ -209,8 +209,7 @@ void add_sweep(CLI::App& app, Invocation& call) {
           [&o](const std::vector<std::string>& texts) {
             for (const std::string& text : texts) take_ranges(o.vary, text);
           },
-          "Parameters and their ranges")
-      ->required()
+          "Parameters and their ranges (not for the sample linkages)")
       ->allow_extra_args(false)
       ->type_name("a=LOW:HIGH,...");
   sweep.add_option("--samples", o.samples, "Number of samples")
@@ -252,7 +251,7 @@ void add_sweep(CLI::App& app, Invocation& call) {
       ->type_name("K");
   sweep.add_option("--strategy", o.strategy, "Solution strategy: auto (default), groups/lanes:8, ...")
       ->type_name("TEXT");
-  CLI::Option* out = sweep.add_option("--out", o.out, "Write a CSV; an earlier one is continued")->required();
+  CLI::Option* out = sweep.add_option("--out", o.out, "Write a CSV (of linkages: an .h5 file); an earlier one is continued")->required();
   out->type_name("FILE");
   add_common(sweep, call.common);
   sweep.callback([&call, out] {

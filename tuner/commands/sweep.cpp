@@ -80,6 +80,7 @@ std::optional<Scene> scene_or_none(const std::function<Scene(const std::vector<d
 }
 
 void check(const Common& common, const SweepOptions& options) {
+  if (options.vary.empty()) refuse("--vary", "give the parameters to vary, with their ranges: a=LOW:HIGH,...");
   if (options.out == "-") refuse("--out", "rows are kept in a file, so that a sweep can go on; give its name");
   for (std::size_t i = 0; i < options.vary.size(); ++i) {
     const std::string& name = options.vary[i].name;
@@ -225,6 +226,7 @@ void print(const Common& common, const SweepOptions& options, const sweep::Desig
 }  // namespace
 
 int sweep(const Common& common, const SweepOptions& options) {
+  if (options.scene == "linkages" || options.scene.starts_with("linkages:")) return sweep_linkages(common, options);
   check(common, options);
   refuse_overwriting(common, {{"--out", options.out}}, {options.scene});
   const sweep::DesignSpace space(options.vary, options.sampler, options.samples, options.seed);

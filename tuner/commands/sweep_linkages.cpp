@@ -1,0 +1,173 @@
+// assur sweep linkages
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <iostream>
+#include <string>
+#include <string_view>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "assur/machine.hpp"
+#include "commands/commands.hpp"
+#include "commands/interrupt.hpp"
+#include "measure/step_times.hpp"
+#include "output/format.hpp"
+#include "output/json.hpp"
+#include "output/page.hpp"
+#include "output/progress.hpp"
+#include "sweep/linkage_file.hpp"
+
+namespace assur::command {
+namespace {
+
+using output::counted;
+using output::grouped;
+using output::Json;
+using output::Progress;
+
+constexpr std::int64_t kBlock = 4096;  // samples that are moved at once
+
+[[noreturn]] void refuse(const std::string& option, const std::string& what) {
+  throw Error(Error::Kind::input, {{option, what}});
+}
+
+int whole(std::string_view text, int least, int most, const std::string& what) {
+  int value = 0;
+  const auto [end, trouble] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (trouble != std::errc() || end != text.data() + text.size() || value < least || value > most) {
+    refuse("SCENE", what + " expects a whole number from " + std::to_string(least) + " to " + std::to_string(most) +
+                        ", not \"" + std::string(text) + "\"");
+  }
+  return value;
+}
+
+// "linkages:joints=5..20,times=200,precision=single"
+sweep::LinkageSet set_of(const SweepOptions& options) {
+  sweep::LinkageSet set;
+  set.seed = options.seed;
+  std::tie(set.first, set.last) = options.range.value_or(std::pair<std::int64_t, std::int64_t>{0, options.samples});
+  int times = 200;
+  std::string_view rest = options.scene;
+  rest.remove_prefix(std::min(rest.size(), std::string_view("linkages:").size()));
+  while (!rest.empty()) {
+    const std::string_view word = rest.substr(0, rest.find(','));
+    rest.remove_prefix(std::min(rest.size(), word.size() + 1));
+    const std::size_t equals = word.find('=');
+    const std::string_view name = word.substr(0, equals);
+    const std::string_view value = equals == std::string_view::npos ? "" : word.substr(equals + 1);
+    if (name == "joints") {
+      using sweep::JointCounts;
+      const std::size_t dots = value.find("..");
+      set.joints.least = whole(value.substr(0, dots), JointCounts::kFewest, JointCounts::kMost, "joints=");
+      set.joints.most = dots == std::string_view::npos
+                            ? set.joints.least
+                            : whole(value.substr(dots + 2), set.joints.least, JointCounts::kMost, "joints=..");
+    } else if (name == "times") {
+      times = whole(value, 2, 1000000, "times=");
+    } else if (name == "precision" && (value == "single" || value == "double")) {
+      set.single = value == "single";
+    } else {
+      refuse("SCENE", "linkages has the options joints=5..20, times=200 and precision=single or double, not \"" +
+                          std::string(word) + "\"");
+    }
+  }
+  for (int k = 0; k < times; ++k) set.times.push_back(k / static_cast<double>(times));  // one turn, which closes
+  return set;
+}
+
+void check(const SweepOptions& options, const sweep::LinkageSet& set) {
+  if (!options.vary.empty()) refuse("--vary", "random linkages have no parameters to vary");
+  if (options.sampler != sweep::Sampler::random) refuse("--sampler", "linkages are random");
+  if (!options.outputs.empty()) refuse("--outputs", "of a linkage, the path of the last joint is kept");
+  if (options.best > 0) refuse("--best", "linkages have no figures to compare");
+  if (options.strategy != "auto") refuse("--strategy", "linkages are solved in closed form");
+  if (!options.out.ends_with(".h5") && !options.out.ends_with(".hdf5")) {
+    refuse("--out", "linkages are written as HDF5; give a name that ends with .h5");
+  }
+  if (set.first < 0 || set.last <= set.first || set.last > options.samples) {
+    refuse("--range", "expects I:J with 0 <= I < J <= " + std::to_string(options.samples) + ", not " +
+                          std::to_string(set.first) + ":" + std::to_string(set.last));
+  }
+}
+
+// The rows of the samples from `first` up to, without, `last`. Empty if interrupted, which the report says.
+std::vector<sweep::LinkageRow> rows_of(const sweep::LinkageSet& set, std::int64_t first, std::int64_t last,
+                                       const FleetOptions& how, FleetReport& report) {
+  std::vector<sweep::LinkageRow> rows(static_cast<std::size_t>(last - first));
+  const auto source = [&](std::size_t i, Linkage& to) {
+    sweep::random_linkage(set.seed, static_cast<std::uint64_t>(first) + i, set.joints, to);
+  };
+  const auto sink = [&](std::size_t i, const LinkageMotion& motion) {
+    if (!motion.status.ok()) return;
+    sweep::LinkageRow& row = rows[i];
+    row.sample = first + static_cast<std::int64_t>(i);
+    source(i, row.linkage);
+    row.frame = frame_of(motion.path);
+    row.error = motion.error;
+    row.curve.resize(motion.path.size());
+    normalize(motion.path, row.frame, row.curve);
+  };
+  report = Fleet(rows.size(), source).run(set.times, sink, how);
+  if (report.interrupted) return {};
+  std::erase_if(rows, [](const sweep::LinkageRow& row) { return row.curve.empty(); });
+  return rows;
+}
+
+// before: samples of an earlier call.
+void print(const Common& common, const SweepOptions& options, const sweep::LinkageCounts& counts, std::int64_t before,
+           std::int64_t wanted, double seconds) {
+  if (common.json) {
+    output::print(std::cout, {{"samples", counts.samples},
+                              {"done", counts.rows},
+                              {"jammed", counts.jammed},
+                              {"not_assembled", counts.not_closed},
+                              {"inaccurate", counts.inaccurate},
+                              {"best", Json::array()},
+                              {"seconds", seconds},
+                              {"out", options.out}});
+    return;
+  }
+  output::Page page(std::cout);
+  page.title(options.scene + ": " + grouped(counts.samples) + " of " + counted(wanted, "sample"));
+  if (before > 0) page.fact("from before", grouped(before));
+  page.fact("done", grouped(counts.rows));
+  page.fact("jammed", grouped(counts.jammed));
+  page.fact("not assembled", grouped(counts.not_closed));
+  if (counts.inaccurate > 0) page.fact("inaccurate", grouped(counts.inaccurate) + ", left out");
+  page.fact("time", output::duration(seconds));
+  page.fact("rows", options.out);
+}
+
+}  // namespace
+
+int sweep_linkages(const Common& common, const SweepOptions& options) {
+  const sweep::LinkageSet set = set_of(options);
+  check(options, set);
+  refuse_overwriting(common, {{"--out", options.out}}, {});
+  sweep::LinkageFile file(options.out, set);
+  FleetOptions how;
+  how.threads = common.threads > 0 ? common.threads : this_machine().budget().threads;
+  how.stop = [] { return Interrupt::requested(); };
+  Progress progress(std::cerr, common.quiet ? Progress::Style::none : Progress::style_of_standard_error(), "sample");
+  const Interrupt interrupt;
+  const double begin = measure::StepTimes::steady();
+  const std::int64_t before = file.counts().samples, wanted = set.last - set.first;
+  bool interrupted = false;
+  while (file.counts().samples < wanted && !interrupted) {
+    const std::int64_t done = file.counts().samples, more = std::min(kBlock, wanted - done);
+    FleetReport report;
+    const std::vector<sweep::LinkageRow> rows = rows_of(set, set.first + done, set.first + done + more, how, report);
+    interrupted = report.interrupted;
+    if (interrupted) break;
+    const auto number = [](std::size_t n) { return static_cast<std::int64_t>(n); };
+    file.append(rows, {more, 0, number(report.jammed), number(report.not_closed), number(report.inaccurate)});
+    progress.show(measure::StepTimes::steady() - begin, file.counts().samples, wanted);
+  }
+  progress.clear();
+  print(common, options, file.counts(), before, wanted, measure::StepTimes::steady() - begin);
+  return interrupted ? kInterrupted : kDone;
+}
+
+}  // namespace assur::command
