@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <exception>
 #include <map>
+#include <memory>
 #include <optional>
 #include <utility>
 
@@ -36,7 +37,12 @@ struct Ensemble::Impl {
     }
     if (!prepared && first_error) std::rethrow_exception(first_error);
     if (!prepared) throw Error(Error::Kind::input, "an ensemble needs at least one member");
-    tiles.emplace(*prepared, limits, in_lanes.size());
+    // A structure that only one member has is not worth a tile.
+    const auto single =
+        std::partition(classes.begin() + 1, classes.end(), [](const Class& c) { return c.members.size() > 1; });
+    for (auto c = single; c != classes.end(); ++c) others.emplace(c->members[0], std::move(c->prepared));
+    classes.erase(single, classes.end());
+    for (Class& c : classes) c.tiles = std::make_unique<Tiles>(c.prepared, limits, c.members.size());
   }
 
   void take(std::size_t i, Prepared p) {
@@ -48,13 +54,24 @@ struct Ensemble::Impl {
       cannot[i] = "its outputs differ from those of the first member";
       return;
     }
-    if (!same_structure(*prepared->structure, *p.structure) || p.time.start != prepared->time.start) {
+    if (p.time.start != prepared->time.start) {
       others.emplace(i, std::move(p));
       return;
     }
-    in_lanes.push_back(i);
-    variants.push_back({p.structure->system, p.structure->start, p.time.start, p.reselect});
+    auto c = std::find_if(classes.begin(), classes.end(),
+                          [&](const Class& of) { return same_structure(*of.prepared.structure, *p.structure); });
+    if (c == classes.end()) c = classes.insert(c, {p, {}, {}, nullptr});
+    c->members.push_back(i);
+    c->variants.push_back({p.structure->system, p.structure->start, p.time.start, p.reselect});
   }
+
+  // Members of one structure, in tiles.
+  struct Class {
+    Prepared prepared;
+    std::vector<std::size_t> members;
+    std::vector<Variant> variants;  // of the members
+    std::unique_ptr<Tiles> tiles;
+  };
 
   // Where the rows of the members go.
   struct Results {
@@ -67,7 +84,7 @@ struct Ensemble::Impl {
   void start(const Results& results) {
     report = {};
     totals = {};
-    tiles->clear();
+    for (Class& c : classes) c.tiles->clear();
     outcomes.assign(cannot.size(), {});
     results.rows.assign(cannot.size(), 0);
     for (std::size_t i = 0; i < cannot.size(); ++i) {
@@ -80,7 +97,7 @@ struct Ensemble::Impl {
   void run(const Results& results, const Simulator::Observer& observer) {
     start(results);
     const auto rows = [&](std::size_t members) { return static_cast<std::int64_t>(members * results.times.size()); };
-    const std::int64_t of = rows(in_lanes.size() + others.size());
+    const std::int64_t of = rows(static_cast<std::size_t>(std::count(cannot.begin(), cannot.end(), std::string())));
     bool stopped = false;
     std::int64_t before = 0;
     Simulator::Observer of_all;
@@ -90,8 +107,10 @@ struct Ensemble::Impl {
         return !stopped;
       };
     }
-    run_in_lanes(results, of_all);
-    before = rows(in_lanes.size());
+    for (Class& c : classes) {
+      run_in_lanes(c, results, of_all, stopped);
+      before += rows(c.members.size());
+    }
     for (const auto& [i, other] : others) {
       if (stopped) {
         outcomes[i].status = {Code::interrupted, {}, results.times[0]};
@@ -103,28 +122,32 @@ struct Ensemble::Impl {
     summarize(results);
   }
 
-  // Runs the members that share the structure, in tiles; a free thread takes the next tile.
-  void run_in_lanes(const Results& results, const Simulator::Observer& observer) {
-    std::vector<LaneRun> runs(in_lanes.size());
+  // Runs the members of one structure, in tiles; a free thread takes the next tile.
+  void run_in_lanes(Class& c, const Results& results, const Simulator::Observer& observer, bool stopped) {
+    if (stopped) {
+      for (const std::size_t i : c.members) outcomes[i].status = {Code::interrupted, {}, results.times[0]};
+      return;
+    }
+    std::vector<LaneRun> runs(c.members.size());
     for (std::size_t i = 0; i < runs.size(); ++i) {
-      runs[i].variant = variants[i];
+      runs[i].variant = c.variants[i];
       runs[i].times = results.times;
       if (results.values != nullptr) {
-        runs[i].rows = results.values + in_lanes[i] * results.times.size() * columns.size();
+        runs[i].rows = results.values + c.members[i] * results.times.size() * columns.size();
       } else {
-        runs[i].summary = &results.summaries[in_lanes[i]];
+        runs[i].summary = &results.summaries[c.members[i]];
       }
     }
-    tiles->run(runs, observer, 0);
+    c.tiles->run(runs, observer, 0);
     for (std::size_t i = 0; i < runs.size(); ++i) {
       LaneRun& run = runs[i];
-      results.rows[in_lanes[i]] = run.done;
+      results.rows[c.members[i]] = run.done;
       totals.error.merge(run.error);
-      outcomes[in_lanes[i]] = {run.status, run.reached,    std::move(run.cannot),
-                               run.alone,  run.alone_from, std::move(run.events)};
-      note(in_lanes[i], run.fallbacks);
+      outcomes[c.members[i]] = {run.status, run.reached,    std::move(run.cannot),
+                                run.alone,  run.alone_from, std::move(run.events)};
+      note(c.members[i], run.fallbacks);
     }
-    totals.merge(tiles->totals());
+    totals.merge(c.tiles->totals());
   }
 
   void run_other(std::size_t i, const Results& results, const Simulator::Observer& observer) {
@@ -197,13 +220,11 @@ struct Ensemble::Impl {
   }
 
   StepLimits limits;
-  std::vector<std::string> cannot;   // reason why the member cannot be started; empty: it can
-  std::optional<Prepared> prepared;  // that of the first member that can be started
-  std::vector<std::string> columns;  // of all members
-  std::vector<std::size_t> in_lanes;
-  std::vector<Variant> variants;  // variants of the members in lanes
-  std::map<std::size_t, Prepared> others;
-  std::optional<Tiles> tiles;
+  std::vector<std::string> cannot;         // reason why the member cannot be started; empty: it can
+  std::optional<Prepared> prepared;        // that of the first member that can be started
+  std::vector<std::string> columns;        // of all members
+  std::vector<Class> classes;              // the first one is that of `prepared`
+  std::map<std::size_t, Prepared> others;  // members that run alone
   Totals totals;
   Report report;
   std::vector<Outcome> outcomes;

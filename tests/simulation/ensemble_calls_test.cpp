@@ -268,16 +268,20 @@ TEST(Ensemble, AnObserverIsCalledForEveryRowAndStops) {
 
 TEST(Ensemble, AnObserverStopsMembersOfAnotherStructure) {
   const SceneOf scene = [](std::size_t i) {
+    if (i == 3) return in_translation();
     return i > 0 ? on_a_rail() : with_law(Law::polynomial({0, 3})).with_outputs({"B", "C"});
   };
-  Ensemble e = ensemble(3, scene);
-  const EnsembleTrajectory all = e.run([](std::int64_t done, std::int64_t) { return done < 150; });
-  EXPECT_EQ(all.rows(0), 101u);
-  EXPECT_EQ(all.rows(1), 49u);
-  EXPECT_EQ(all.rows(2), 0u);
-  EXPECT_TRUE(e.outcomes()[0].status.ok());
-  EXPECT_EQ(e.outcomes()[1].status.code, Code::interrupted);
-  EXPECT_EQ(e.outcomes()[2].status.code, Code::interrupted);
+  Ensemble e = ensemble(4, scene);
+  // Stops the member alone in its structure, the two that share one, and the first.
+  for (const auto& [most, rows] : std::vector<std::pair<std::int64_t, std::vector<std::size_t>>>{
+           {350, {101, 101, 101, 47}}, {150, {101, 25, 25, 0}}, {50, {50, 0, 0, 0}}}) {
+    const EnsembleTrajectory all = e.run([&](std::int64_t done, std::int64_t) { return done < most; });
+    for (std::size_t i = 0; i < 4; ++i) {
+      EXPECT_EQ(all.rows(i), rows[i]) << most << " " << i;
+      EXPECT_EQ(e.outcomes()[i].status.code, rows[i] == 101 ? Code::ok : Code::interrupted) << most << " " << i;
+      EXPECT_EQ(e.outcomes()[i].reached, all.times()[rows[i] > 0 ? rows[i] - 1 : 0]) << most << " " << i;
+    }
+  }
 }
 
 TEST(Ensemble, CsvHasAllFinishedRows) {

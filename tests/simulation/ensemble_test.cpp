@@ -178,29 +178,30 @@ TEST(Ensemble, AnglesAreUnwrappedOverManyTurns) {
   expect_member(e, all, 1, scene(1), "groups/eigen:4");
 }
 
-// In two members the end of the coupler runs on a rail instead of a rocker.
-TEST(Ensemble, AMemberOfAnotherStructureRunsAlone) {
+// In three members the end of the coupler runs on a rail instead of a rocker; in one it has no joint at all.
+TEST(Ensemble, MembersOfAnotherStructureShareLanes) {
   const SceneOf scene = [](std::size_t i) {
-    return i == 1 || i == 3 ? on_a_rail() : with_law(Law::polynomial({0, 3})).with_outputs({"B", "C"});
+    if (i == 4) return in_translation();
+    return i % 2 == 1 ? on_a_rail() : with_law(Law::polynomial({0, 3})).with_outputs({"B", "C"});
   };
-  for (const std::string strategy : {"groups/eigen:4", "irreducible/eigen:2 2x1"}) {
-    Ensemble e = ensemble(5, scene, strategy);
+  for (const std::string strategy : {"groups/eigen:4", "groups/eigen:2", "irreducible/eigen:2 2x1"}) {
+    Ensemble e = ensemble(6, scene, strategy);
     std::int64_t heard = 0;
     const EnsembleTrajectory all = e.run([&](std::int64_t done, std::int64_t of) {
-      EXPECT_EQ(of, 5 * 101);
+      EXPECT_EQ(of, 6 * 101);
       EXPECT_GE(done, heard);
       heard = done;
       return true;
     });
-    EXPECT_EQ(heard, 5 * 101);
-    for (std::size_t i = 0; i < 5; ++i) {
+    EXPECT_EQ(heard, 6 * 101);
+    for (std::size_t i = 0; i < 6; ++i) {
       expect_member(e, all, i, scene(i), strategy);
-      EXPECT_EQ(e.outcomes()[i].alone, i == 1 || i == 3);
+      EXPECT_EQ(e.outcomes()[i].alone, i == 4);
     }
     ASSERT_EQ(e.report().fallbacks.size(), 1u);
-    EXPECT_EQ(e.report().fallbacks[0].rfind("2 of 5 members continued alone", 0), 0u);
-    EXPECT_EQ(e.report().counters.steps, 500);
-    EXPECT_EQ(e.report().counters.stored_values, static_cast<std::int64_t>(5 * 101 * all.columns().size()));
+    EXPECT_EQ(e.report().fallbacks[0].rfind("1 of 6 members continued alone", 0), 0u);
+    EXPECT_EQ(e.report().counters.steps, 600);
+    EXPECT_EQ(e.report().counters.stored_values, static_cast<std::int64_t>(6 * 101 * all.columns().size()));
   }
 }
 

@@ -130,4 +130,13 @@ inline Scene on_a_rail() {
   return b.time(0, 1, 0.01).build().with_outputs({"B", "C"});
 }
 
+// The coupler keeps its direction.
+inline Scene in_translation() {
+  SceneBuilder b("translation", 2);
+  b.fixed_point("A", {0, 0, 0}).point("B", {0.8, 0, 0}).point("C", {2.6, 0, 0});
+  b.constrain("crank", Distance{"A", "B", 0.8}).constrain("coupler", Linear{{{"C", 1}, {"B", -1}}, {1.8, 0, 0}});
+  b.drive("motor", PointAngle{"A", "B", "", Law::polynomial({0, 3})});
+  return b.time(0, 1, 0.01).build().with_outputs({"B", "C"});
+}
+
 }  // namespace assur::test
