@@ -102,6 +102,7 @@ TEST(SweepLinkages, RefusesWrongOptions) {
   expect({scene, "--samples", "9", "--out", out, "--sampler", "sobol"}, "--sampler: linkages are random");
   expect({scene, "--samples", "9", "--out", out, "--outputs", "C"}, "--outputs: ");
   expect({scene, "--samples", "9", "--out", out, "--best", "3"}, "--best: ");
+  expect({scene, "--samples", "9", "--out", out, "--html", scratch.file("a.html")}, "--html: ");
   expect({scene, "--samples", "9", "--out", out, "--strategy", "groups/eigen"}, "--strategy: ");
   expect({scene, "--samples", "9", "--out", out, "--range", "3:10"}, "--range: expects I:J");
   expect({"linkages:joints=3..9", "--samples", "9", "--out", out}, "joints= expects a whole number from 4 to 1000");

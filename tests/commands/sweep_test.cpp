@@ -93,6 +93,27 @@ TEST(Sweep, ARowIsTheRunOfItsParameters) {
 }
 
 // The rows are the same, bit by bit, for one range and several, and for every number of threads.
+// The page has the rows of earlier calls, too.
+TEST(Sweep, APageShowsAllRows) {
+  const Scratch scratch;
+  const std::string out = scratch.file("rows.csv"), page = scratch.file("page.html");
+  const std::vector<std::string> what = {"--samples", "1500", "--best", "2"};
+  ASSERT_EQ(run_command(sweep_of(out, what)).status, 0);
+  std::vector<std::string> again = what;
+  again.insert(again.end(), {"--html", page});
+  ASSERT_EQ(run_command(sweep_of(out, again)).status, 0);
+  const std::string text = content(page);
+  EXPECT_NE(text.find("1,500 of 1,500 samples: "), std::string::npos);
+  EXPECT_NE(text.find("Shown: 750 samples."), std::string::npos);
+  EXPECT_NE(text.find(">sample 0, "), std::string::npos);
+  EXPECT_NE(text.find(">sample 1498, "), std::string::npos);
+  const std::size_t first = text.find("data:image/svg+xml;base64,PHN2Zy");  // "<svg"
+  ASSERT_NE(first, std::string::npos);
+  EXPECT_NE(text.find("data:image/svg+xml;base64,PHN2Zy", first + 1), std::string::npos);
+  again.back() = out;
+  EXPECT_EQ(run_command(sweep_of(out, again)).status, 2) << "the page would replace the rows";
+}
+
 TEST(Sweep, RangesAndThreadsDoNotMatter) {
   const Scratch scratch;
   for (const std::string sampler : {"random", "grid"}) {

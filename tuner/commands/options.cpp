@@ -251,11 +251,17 @@ void add_sweep(CLI::App& app, Invocation& call) {
       ->type_name("K");
   sweep.add_option("--strategy", o.strategy, "Solution strategy: auto (default), groups/lanes:8, ...")
       ->type_name("TEXT");
-  CLI::Option* out = sweep.add_option("--out", o.out, "Write a CSV (of linkages: an .h5 file); an earlier one is continued")->required();
+  CLI::Option* out =
+      sweep.add_option("--out", o.out, "Write a CSV (of linkages: an .h5 file); an earlier one is continued")
+          ->required();
   out->type_name("FILE");
+  CLI::Option* html =
+      sweep.add_option("--html", o.html, "Write a page: figures over parameters, and the best in motion");
+  html->type_name("FILE");
   add_common(sweep, call.common);
-  sweep.callback([&call, out] {
+  sweep.callback([&call, out, html] {
     if (out->count() > 0 && call.sweep.out.empty()) throw CLI::ValidationError("--out", "expects a file name");
+    if (html->count() > 0 && call.sweep.html.empty()) throw CLI::ValidationError("--html", "expects a file name");
     call.chosen = [&call] { return command::sweep(call.common, call.sweep); };
   });
 }

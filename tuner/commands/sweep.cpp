@@ -6,6 +6,7 @@
 #include <functional>
 #include <iostream>
 #include <optional>
+#include <sstream>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -21,6 +22,8 @@
 #include "output/json.hpp"
 #include "output/page.hpp"
 #include "output/progress.hpp"
+#include "output/replace_file.hpp"
+#include "pictures/sweep_page.hpp"
 #include "scene/outputs.hpp"
 #include "sweep/sweep.hpp"
 
@@ -40,12 +43,15 @@ using sweep::Row;
 // Counts of all rows, and the best of them.
 struct Tally {
   std::int64_t rows = 0, done = 0, jammed = 0, not_assembled = 0;
-  std::size_t most = 0;       // samples to keep in `best`
-  std::vector<Row> best;      // arrived, with the smallest first figures; ascending
+  std::size_t most = 0;     // samples to keep in `best`
+  std::vector<Row> best;    // arrived, with the smallest first figures; ascending
+  std::int64_t stride = 1;  // of the rows in `shown`, evenly spaced over the samples
+  std::vector<Row> shown;
   std::int64_t example = -1;  // the first sample with a known reason why it was not assembled
   std::string why;
 
   void take(const Row& row) {
+    if (rows % stride == 0) shown.push_back(row);
     ++rows;
     not_assembled += row.is_assembled() ? 0 : 1;
     if (example < 0 && !row.why.empty()) {
@@ -223,12 +229,30 @@ void print(const Common& common, const SweepOptions& options, const sweep::Desig
   page.fact("rows", options.out);
 }
 
+std::string sentence_of(const Tally& tally, std::int64_t wanted) {
+  return grouped(tally.rows) + " of " + counted(wanted, "sample") + ": " + grouped(tally.done) + " done, " +
+         grouped(tally.jammed) + " jammed, " + grouped(tally.not_assembled) + " not assembled.";
+}
+
+// A sample in motion, as SVG. Empty for a mechanism that cannot be drawn.
+std::string motion_of(const Prepared& prepared, const PrepareOptions& how, const RunOptions& options) {
+  std::ostringstream picture;
+  Progress none(std::cerr, Progress::Style::none, "step");
+  try {
+    (void)write_animation(prepared, {}, how, {}, options, nullptr, &picture, none);
+  } catch (const Error& e) {
+    if (e.kind() == Error::Kind::environment) throw;
+    return {};
+  }
+  return picture.str();
+}
+
 }  // namespace
 
 int sweep(const Common& common, const SweepOptions& options) {
   if (options.scene == "linkages" || options.scene.starts_with("linkages:")) return sweep_linkages(common, options);
   check(common, options);
-  refuse_overwriting(common, {{"--out", options.out}}, {options.scene});
+  refuse_overwriting(common, {{"--out", options.out}, {"--html", options.html}}, {options.scene});
   const sweep::DesignSpace space(options.vary, options.sampler, options.samples, options.seed);
   const auto [first, last] = options.range.value_or(std::pair<std::int64_t, std::int64_t>{0, options.samples});
 
@@ -245,7 +269,7 @@ int sweep(const Common& common, const SweepOptions& options) {
   std::vector<double> middle;
   for (const sweep::Range& r : space.ranges()) middle.push_back(r.low + (r.high - r.low) / 2);
   const Scene scene = scene_at(middle);
-  refuse_overwriting({{"--out", options.out}}, scene);
+  refuse_overwriting({{"--out", options.out}, {"--html", options.html}}, scene);
   const std::vector<std::string> columns = column_names(*analyze(scene).system);
   if (columns.empty()) refuse("--outputs", "the scene has no outputs, so that there is nothing to keep");
 
@@ -264,7 +288,10 @@ int sweep(const Common& common, const SweepOptions& options) {
   limits.stop = [] { return Interrupt::requested(); };
   const sweep::Sweep sweep(space, prepared_at, columns, options.reduce, how.budget->threads, limits);
 
+  std::optional<output::Replacement> html;
+  if (!options.html.empty()) html.emplace("--html", options.html);
   Tally tally;
+  tally.stride = (last - first + pictures::kRowsOfPage - 1) / pictures::kRowsOfPage;
   tally.most = static_cast<std::size_t>(options.best);
   RowFile file(options.out, sweep, first, last, tally);
   Progress progress(std::cerr, common.quiet ? Progress::Style::none : Progress::style_of_standard_error(), "sample");
@@ -283,6 +310,15 @@ int sweep(const Common& common, const SweepOptions& options) {
     progress.show(measure::StepTimes::steady() - begin, tally.rows, last - first);
   }
   progress.clear();
+  if (html) {
+    pictures::SweepPage page{options.scene, {}, space.ranges(), sweep.figures(), std::move(tally.shown),
+                             tally.best,    {}};
+    page.about = {sentence_of(tally, last - first),
+                  "Shown: " + counted(static_cast<std::int64_t>(page.rows.size()), "sample") + "."};
+    for (const Row& row : tally.best) page.motions.push_back(motion_of(prepared_at(row.parameters), how, as_run));
+    html->stream() << pictures::page_of(page);
+    html->put();
+  }
   print(common, options, space, tally, last - first, sweep.figures(), measure::StepTimes::steady() - begin);
   return stopped ? kInterrupted : kDone;
 }

@@ -81,6 +81,7 @@ void check(const SweepOptions& options, const sweep::LinkageSet& set) {
   if (!options.vary.empty()) refuse("--vary", "random linkages have no parameters to vary");
   if (options.sampler != sweep::Sampler::random) refuse("--sampler", "linkages are random");
   if (!options.outputs.empty()) refuse("--outputs", "of a linkage, the path of the last joint is kept");
+  if (!options.html.empty()) refuse("--html", "linkages have no parameters to show");
   if (options.best > 0) refuse("--best", "linkages have no figures to compare");
   if (options.strategy != "auto") refuse("--strategy", "linkages are solved in closed form");
   if (!options.out.ends_with(".h5") && !options.out.ends_with(".hdf5")) {
