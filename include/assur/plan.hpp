@@ -99,6 +99,11 @@ struct Prepared {
 // strategy text cannot run here, with the reason.
 [[nodiscard]] Prepared prepare(const Scene& scene, const PrepareOptions& options = {});
 
+// As prepare(), with the plan of `like` if the scene has the same structure, so that nothing needs to be chosen: for
+// many variants of one scene, which `auto` takes several times as long to prepare. Without effect for scenes with
+// callbacks or gears. Options that belong to the choice have no effect if the plan of `like` is taken.
+[[nodiscard]] Prepared prepare_like(const Prepared& like, const Scene& scene, const PrepareOptions& options = {});
+
 // A strategy with its expected time.
 struct Candidate {
   Strategy strategy;  // the strategy

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <set>
 #include <string_view>
 
@@ -12,6 +13,7 @@
 #include "planning/throughput.hpp"
 #include "planning/together_rules.hpp"
 #include "scene/differences.hpp"
+#include "structure/same_structure.hpp"
 #include "structure/spins.hpp"
 
 namespace assur {
@@ -223,45 +225,29 @@ Choice automatic_choice(const Scene& scene, const PrepareOptions& options, const
   return best;
 }
 
-}  // namespace
-
-Prepared prepare_at(const Scene& scene, const PrepareOptions& options, const KnownStart& start) {
-  if (options.budget && options.budget->threads < 1) {
-    throw Error(Error::Kind::input,
-                "a budget needs at least one thread, not " + std::to_string(options.budget->threads));
-  }
-  if (!(options.accuracy >= 0) || !std::isfinite(options.accuracy)) {
-    throw Error(Error::Kind::input,
-                "an accuracy is a relative error such as 1e-8, or 0, not " + std::to_string(options.accuracy));
-  }
-  check_controlled(scene, options.controlled);
+// The plan of `like`, if the scene has the same structure.
+std::optional<Choice> choice_like(const Prepared& like, const Scene& scene, const PrepareOptions& options) {
   Choice choice;
-  if (options.strategy == "auto") {
-    choice = automatic_choice(scene, options, start);
-  } else {
-    const Strategy wanted = parse_strategy(options.strategy);
-    choice.structure = structure_for(scene, options, wanted.run.formulation, wanted.run.predictor, start);
-    choice.plan = forced_plan(*choice.structure, wanted, options);
-  }
-  if (start.is_first) {
+  const RunSettings& run = like.plan.run;
+  choice.structure = structure_for(scene, options, run.formulation, run.predictor, {});
+  if (!same_structure(*like.structure, *choice.structure)) return std::nullopt;
+  choice.plan = like.plan;
+  return choice;
+}
+
+// Puts the parts together. is_first: the functions of the scene must be checked.
+Prepared finished(const Scene& scene, const PrepareOptions& options, Choice& choice, bool is_first) {
+  if (is_first) {
     std::vector<Diagnostic> wrong = wrong_functions(*choice.structure->system, choice.structure->start, scene.time());
     if (!wrong.empty()) throw Error(Error::Kind::input, std::move(wrong));
   }
-  Plan& plan = choice.plan;
-  plan.accuracy = options.accuracy;
-  if (plan.run.predictor.kind == Predictor::Kind::automatic)
-    plan.run.predictor = automatic_predictor(*choice.structure, plan.accuracy);
-  if (options.mode == Mode::throughput && options.strategy.find("+chunks=") == std::string::npos) {
-    plan.run.chunks = chunks_for(plan.lanes, plan.run.threads, scene.time().steps());
-  }
-
   Prepared out;
   out.scene = std::make_shared<const Scene>(scene);
   out.name = scene.name();
   out.time = scene.time();
   out.controlled = options.controlled;
   out.table = backends();
-  out.plan = std::move(plan);
+  out.plan = std::move(choice.plan);
   if (!choice.structure->redundant.empty()) {
     out.reselect = [scene, options](std::vector<double> at, double t) {
       return prepare_at(scene, options, {std::move(at), t, false});
@@ -271,6 +257,49 @@ Prepared prepare_at(const Scene& scene, const PrepareOptions& options, const Kno
   return out;
 }
 
+// like: null, or its plan is taken if the structures are the same.
+Prepared prepare_checked(const Scene& scene, const PrepareOptions& options, const KnownStart& start,
+                         const Prepared* like) {
+  if (options.budget && options.budget->threads < 1) {
+    throw Error(Error::Kind::input,
+                "a budget needs at least one thread, not " + std::to_string(options.budget->threads));
+  }
+  if (!(options.accuracy >= 0) || !std::isfinite(options.accuracy)) {
+    throw Error(Error::Kind::input,
+                "an accuracy is a relative error such as 1e-8, or 0, not " + std::to_string(options.accuracy));
+  }
+  check_controlled(scene, options.controlled);
+  if (like != nullptr) {
+    if (std::optional<Choice> alike = choice_like(*like, scene, options)) return finished(scene, options, *alike, true);
+  }
+  Choice choice;
+  if (options.strategy == "auto") {
+    choice = automatic_choice(scene, options, start);
+  } else {
+    const Strategy wanted = parse_strategy(options.strategy);
+    choice.structure = structure_for(scene, options, wanted.run.formulation, wanted.run.predictor, start);
+    choice.plan = forced_plan(*choice.structure, wanted, options);
+  }
+  Plan& plan = choice.plan;
+  plan.accuracy = options.accuracy;
+  if (plan.run.predictor.kind == Predictor::Kind::automatic)
+    plan.run.predictor = automatic_predictor(*choice.structure, plan.accuracy);
+  if (options.mode == Mode::throughput && options.strategy.find("+chunks=") == std::string::npos) {
+    plan.run.chunks = chunks_for(plan.lanes, plan.run.threads, scene.time().steps());
+  }
+  return finished(scene, options, choice, start.is_first);
+}
+
+}  // namespace
+
+Prepared prepare_at(const Scene& scene, const PrepareOptions& options, const KnownStart& start) {
+  return prepare_checked(scene, options, start, nullptr);
+}
+
 Prepared prepare(const Scene& scene, const PrepareOptions& options) { return prepare_at(scene, options, {}); }
+
+Prepared prepare_like(const Prepared& like, const Scene& scene, const PrepareOptions& options) {
+  return prepare_checked(scene, options, {}, &like);
+}
 
 }  // namespace assur

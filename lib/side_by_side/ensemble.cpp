@@ -14,6 +14,7 @@
 #include "side_by_side/run_arguments.hpp"
 #include "side_by_side/tiles.hpp"
 #include "signals/columns.hpp"
+#include "structure/same_structure.hpp"
 
 namespace assur {
 

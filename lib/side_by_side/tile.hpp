@@ -36,10 +36,6 @@ struct Variant {
   std::vector<double> limited = {};                               // limited quantities, as Prepared::start_limits
 };
 
-// True if one tile can hold both: groups, equations and known coordinates are equal; constants may differ. Callbacks
-// cannot be compared, so that structures with callbacks must be copies of each other.
-[[nodiscard]] bool same_structure(const Structure& a, const Structure& b);
-
 // A tile of W lanes.
 class Tile {
  public:

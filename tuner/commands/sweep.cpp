@@ -279,10 +279,17 @@ int sweep(const Common& common, const SweepOptions& options) {
     refuse("--vary", "a parameter changes the time grid, which must be the same for all samples");
   };
   if (const std::optional<Scene> one = scene_or_none(scene_at, space.point(first))) check_grid(*one);
+  // The plan of the middle serves all samples of its structure. No sample needs to be like it.
+  std::optional<Prepared> like;
+  try {
+    like = prepare(scene, how);
+  } catch (const Error& e) {
+    if (e.kind() == Error::Kind::environment) throw;
+  }
   const auto prepared_at = [&](const std::vector<double>& point) {
     const Scene at = scene_at(point);
     check_grid(at);
-    return prepare(at, how);
+    return like ? prepare_like(*like, at, how) : prepare(at, how);
   };
   StepLimits limits;
   limits.stop = [] { return Interrupt::requested(); };
