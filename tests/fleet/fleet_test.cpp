@@ -1,6 +1,7 @@
 // Fleets of planar linkages: against the simulator, against closed forms in quadruple precision, at the ends of
 // motions, and bit by bit however a fleet is cut.
 #include <gtest/gtest.h>
+#include <hwy/targets.h>
 
 #include <algorithm>
 #include <cmath>
@@ -11,54 +12,10 @@
 
 #include "assur/assur.hpp"
 #include "backends/allocations.hpp"
-#include "numbers.hpp"
-#include "references/quad.hpp"
-#include "sweep/random_linkage.hpp"
+#include "fleet/linkages.hpp"
 
 namespace assur::test {
 namespace {
-
-using references::Quad;
-using Joint = LinkageJoint;
-
-TimeGrid one_turn(int steps) { return {0, 1, 1.0 / steps}; }
-
-std::vector<double> times_of(const TimeGrid& grid) {
-  std::vector<double> times;
-  for (std::int64_t k = 0; k <= grid.steps(); ++k) times.push_back(grid.time(k));
-  return times;
-}
-
-Linkage random_one(std::size_t k) {
-  Linkage linkage;
-  sweep::random_linkage(7, k, {5, 20}, linkage);
-  return linkage;
-}
-void random_into(std::size_t k, Linkage& to) { sweep::random_linkage(7, k, {5, 20}, to); }
-
-// A motion that outlives the sink.
-struct Kept {
-  LinkageMotion motion;
-  std::vector<PlanePoint> path;
-};
-
-std::vector<Kept> run(const Fleet& fleet, const std::vector<double>& times, const FleetOptions& options = {}) {
-  std::vector<Kept> out(fleet.size());
-  (void)fleet.run(
-      times,
-      [&](std::size_t i, const LinkageMotion& motion) {
-        out[i] = {motion, {motion.path.begin(), motion.path.end()}};
-      },
-      options);
-  return out;
-}
-Kept run(const Linkage& linkage, const std::vector<double>& times) { return run(Fleet({linkage}), times)[0]; }
-
-// Grounds at 0 and (distance, 0); the path is that of the dyad.
-Linkage four_bar(double crank, double coupler, double rocker, double distance, double angle = 0) {
-  return {{Joint::ground(0, 0), Joint::crank(0, crank, angle, kTurn), Joint::ground(distance, 0),
-           Joint::dyad(1, 2, coupler, rocker, true)}};
-}
 
 void expect_bits(const Kept& a, const Kept& b, const std::string& what) {
   EXPECT_EQ(a.path, b.path) << what;
@@ -66,12 +23,6 @@ void expect_bits(const Kept& a, const Kept& b, const std::string& what) {
   EXPECT_TRUE(a.motion.reached == b.motion.reached || (std::isnan(a.motion.reached) && std::isnan(b.motion.reached)));
   EXPECT_EQ(a.motion.error, b.motion.error) << what;
   EXPECT_EQ(a.motion.residual, b.motion.residual) << what;
-}
-
-double largest(const std::vector<PlanePoint>& path) {
-  double size = 0;
-  for (const PlanePoint& p : path) size = std::max({size, std::abs(p[0]), std::abs(p[1])});
-  return size;
 }
 
 // Both end at the same time with the same status, and their positions agree within their estimated errors.
@@ -108,65 +59,6 @@ TEST(Fleet, MotionsAreThoseOfTheSimulator) {
   EXPECT_GT(codes[Code::limit_reached], 30);
 }
 
-// Joints in quad, by the intersection of circles in another form: the law of cosines.
-std::vector<std::array<Quad, 2>> posture(const Linkage& linkage, double t) {
-  using std::numbers::pi;
-  std::vector<std::array<Quad, 2>> at;
-  for (const Joint& j : linkage.joints) {
-    const auto& v = j.value;
-    if (j.kind == Joint::Kind::ground) {
-      at.push_back({v[0], v[1]});
-    } else if (j.kind == Joint::Kind::crank) {
-      const Quad angle = Quad(v[2]) * Quad(t) + Quad(v[1]);
-      at.push_back({at[j.first][0] + v[0] * cos(angle), at[j.first][1] + v[0] * sin(angle)});
-    } else {
-      const auto &a = at[j.first], &b = at[j.second];
-      const Quad dx = b[0] - a[0], dy = b[1] - a[1];
-      if (j.kind == Joint::Kind::point) {
-        at.push_back({a[0] + v[0] * dx - v[1] * dy, a[1] + v[0] * dy + v[1] * dx});
-        continue;
-      }
-      const Quad d = sqrt(dx * dx + dy * dy), p = v[0], q = v[1];
-      const Quad opening = acos((d * d + p * p - q * q) / (2 * d * p)) * (j.left ? 1 : -1);
-      const Quad angle = atan2(dy, dx) + opening;
-      at.push_back({a[0] + p * cos(angle), a[1] + p * sin(angle)});
-    }
-  }
-  return at;
-}
-
-// The true error against the estimate, of linkages with all kinds of joints. The posture with the same sides is on the
-// branch of the start.
-TEST(Fleet, ErrorsAgainstClosedForms) {
-  const std::vector<double> times = times_of(one_turn(100));
-  std::size_t compared = 0;
-  double worst = 0, most = 0;
-  for (std::size_t i = 0; i < 400 && compared < 40; ++i) {
-    Linkage linkage = random_one(i);
-    const auto count = static_cast<std::uint16_t>(linkage.joints.size());
-    linkage.joints.push_back(Joint::point(1, static_cast<std::uint16_t>(count - 1), 0.4, -0.3));
-    linkage.joints.push_back(Joint::crank(count, 0.2, 1, -3 * kTurn));
-    const Kept kept = run(linkage, times);
-    if (!kept.motion.status.ok()) continue;
-    ++compared;
-    Quad error = 0, size = 0;
-    for (std::size_t k = 0; k < times.size(); ++k) {
-      const auto at = posture(linkage, times[k]).back();
-      for (std::size_t c = 0; c < 2; ++c) {
-        error = std::max<Quad>(error, abs(at[c] - kept.path[k][c]));
-        size = std::max<Quad>(size, abs(at[c]));
-      }
-    }
-    const double relative = static_cast<double>(error / size);
-    EXPECT_LE(relative, 20 * kept.motion.error) << i;
-    worst = std::max(worst, relative);
-    most = std::max(most, kept.motion.error / std::max(relative, 1e-17));
-  }
-  EXPECT_EQ(compared, 40U);
-  EXPECT_LT(worst, 1e-10);
-  EXPECT_LT(most, 1e5) << "an estimate is useless if it is much too large";
-}
-
 TEST(Fleet, BitsDependOnTheLinkageAlone) {
   const std::vector<double> times = times_of(one_turn(150));
   const Fleet fleet(200, random_into);
@@ -184,6 +76,33 @@ TEST(Fleet, BitsDependOnTheLinkageAlone) {
     expect_bits(one_thread[i], in_parts[i], what);
     if (i < 20) expect_bits(one_thread[i], run(random_one(i), times), what);
   }
+}
+
+// Vectors of all widths, with and without fused products: the same ends, and positions within the estimated errors.
+TEST(Fleet, InstructionSetsAgree) {
+  const std::vector<double> times = times_of(one_turn(100));
+  const Fleet fleet(300, random_into);
+  const std::vector<Kept> best = run(fleet, times);
+  int sets = 0;
+  for (std::int64_t left = hwy::SupportedTargets(); left != 0; left &= left - 1, ++sets) {
+    hwy::SetSupportedTargetsForTest(left & -left);
+    const std::vector<Kept> other = run(fleet, times);
+    hwy::SetSupportedTargetsForTest(0);
+    for (std::size_t i = 0; i < best.size(); ++i) {
+      const auto& [motion, path] = best[i];
+      EXPECT_EQ(name(other[i].motion.status.code), name(motion.status.code)) << i;
+      ASSERT_EQ(other[i].path.size(), path.size()) << i;
+      if (!motion.status.arrived()) {
+        EXPECT_NEAR(other[i].motion.reached, motion.reached, 1e-7) << i;
+      }
+      double deviation = 0;
+      for (std::size_t k = 0; k < path.size(); ++k) {
+        for (std::size_t c = 0; c < 2; ++c) deviation = std::max(deviation, std::abs(other[i].path[k][c] - path[k][c]));
+      }
+      EXPECT_LE(deviation / largest(path), 100 * (motion.error + other[i].motion.error)) << i;
+    }
+  }
+  EXPECT_GT(sets, 0);
 }
 
 // A four-bar that is no crank-rocker jams where coupler and rocker are in line.
@@ -257,30 +176,6 @@ TEST(Fleet, LinkagesThatCannotBegin) {
   EXPECT_EQ(report.done, 1U);
   EXPECT_EQ(report.linkages, 2U);
   EXPECT_EQ(report.dyads, 11);
-}
-
-// A triangle that is almost flat loses digits: the estimate says how many, and the status says if they are too many.
-TEST(Fleet, LostDigitsAreInaccurate) {
-  const double flat = 1e-12;
-  Linkage linkage = four_bar(1, 3, 2.5, 3);
-  linkage.joints.push_back(Joint::dyad(1, 3, 1.5 + flat, 1.5 + flat, true));
-  const std::vector<double> times = times_of(one_turn(100));
-  const Kept kept = run(linkage, times);
-  Quad error = 0;
-  for (std::size_t k = 0; k < times.size(); ++k) {
-    const auto at = posture(linkage, times[k]).back();
-    for (std::size_t c = 0; c < 2; ++c) error = std::max<Quad>(error, abs(at[c] - kept.path[k][c]));
-  }
-  const double relative = static_cast<double>(error) / largest(kept.path);
-  EXPECT_EQ(kept.motion.status.code, Code::ok);
-  EXPECT_GT(relative, 1e-12);
-  EXPECT_LE(relative, 20 * kept.motion.error);
-  EXPECT_LE(kept.motion.error, 200 * relative);
-  FleetOptions exact;
-  exact.accuracy = 1e-12;
-  const std::vector<Kept> doubted = run(Fleet({linkage}), times, exact);
-  EXPECT_EQ(doubted[0].motion.status.code, Code::inaccurate);
-  EXPECT_EQ(doubted[0].path, kept.path);
 }
 
 TEST(Fleet, LinkagesFromAPosture) {

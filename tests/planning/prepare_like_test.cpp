@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "assur/assur.hpp"
+#include "source_dir.hpp"
 
 namespace assur::test {
 namespace {
@@ -40,9 +41,10 @@ TEST(PrepareLike, RefusesWhatPrepareRefuses) {
   const Prepared like = prepare(sample("slider_crank"), {.budget = ThreadBudget{1}});
   EXPECT_THROW((void)prepare_like(like, sample("slider_crank"), {.budget = ThreadBudget{0}}), Error);
   EXPECT_THROW((void)prepare_like(like, sample("slider_crank"), {.controlled = {"nothing"}}), Error);
-  // The crank cannot turn: it begins where the rod does not reach the rail.
-  const Scene apart = sample("slider_crank", {{"crank_length", 0.1}, {"rod_length", 0.02}, {"offset", 0.15}});
-  EXPECT_THROW((void)prepare_like(like, apart), Error);
+  const std::string file = ASSUR_SOURCE_DIR "/scenes/four_bar.json";
+  const Prepared four_bar = prepare(read_scene(file, {}), {.budget = ThreadBudget{1}});
+  const Scene apart = read_scene(file, {{"crank_length", 9}});
+  EXPECT_THROW((void)prepare_like(four_bar, apart), Error);
 }
 
 }  // namespace

@@ -1,0 +1,62 @@
+// Linkages and their motions, for tests of fleets.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "assur/assur.hpp"
+#include "numbers.hpp"
+#include "sweep/random_linkage.hpp"
+
+namespace assur::test {
+
+using Joint = LinkageJoint;
+
+inline TimeGrid one_turn(int steps) { return {0, 1, 1.0 / steps}; }
+
+inline std::vector<double> times_of(const TimeGrid& grid) {
+  std::vector<double> times;
+  for (std::int64_t k = 0; k <= grid.steps(); ++k) times.push_back(grid.time(k));
+  return times;
+}
+
+inline Linkage random_one(std::size_t k) {
+  Linkage linkage;
+  sweep::random_linkage(7, k, {5, 20}, linkage);
+  return linkage;
+}
+inline void random_into(std::size_t k, Linkage& to) { sweep::random_linkage(7, k, {5, 20}, to); }
+
+// A motion that outlives the sink.
+struct Kept {
+  LinkageMotion motion;
+  std::vector<PlanePoint> path;
+};
+
+inline std::vector<Kept> run(const Fleet& fleet, const std::vector<double>& times, const FleetOptions& options = {}) {
+  std::vector<Kept> out(fleet.size());
+  (void)fleet.run(
+      times,
+      [&](std::size_t i, const LinkageMotion& motion) {
+        out[i] = {motion, {motion.path.begin(), motion.path.end()}};
+      },
+      options);
+  return out;
+}
+inline Kept run(const Linkage& linkage, const std::vector<double>& times) { return run(Fleet({linkage}), times)[0]; }
+
+// Grounds at 0 and (distance, 0); the path is that of the dyad.
+inline Linkage four_bar(double crank, double coupler, double rocker, double distance, double angle = 0) {
+  return {{Joint::ground(0, 0), Joint::crank(0, crank, angle, kTurn), Joint::ground(distance, 0),
+           Joint::dyad(1, 2, coupler, rocker, true)}};
+}
+
+inline double largest(const std::vector<PlanePoint>& path) {
+  double size = 0;
+  for (const PlanePoint& p : path) size = std::max({size, std::abs(p[0]), std::abs(p[1])});
+  return size;
+}
+
+}  // namespace assur::test
