@@ -1,6 +1,8 @@
 // `assur sweep linkages`. The test sweep.linkages reads the data set.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "commands/command.hpp"
 
 namespace assur {
@@ -61,6 +63,50 @@ TEST(SweepLinkages, AnInterruptedSweepGoesOn) {
   EXPECT_EQ(content(out).size(), content(scratch.file("once.h5")).size());
 }
 
+// Half of an ellipse with its chord.
+std::string a_curve() {
+  std::string text = "x,y\n";
+  for (int i = 0; i < 40; ++i) text += std::to_string(-1 + i / 20.0) + ",0\n";
+  for (int i = 0; i < 40; ++i) {
+    text += std::to_string(std::cos(0.0785 * i)) + "," + std::to_string(0.5 * std::sin(0.0785 * i)) + "\n";
+  }
+  return text;
+}
+
+TEST(SweepLinkages, FindsPathsLikeACurve) {
+  const Scratch scratch;
+  const std::string target = scratch.file("curve.csv", a_curve()), out = scratch.file("all.h5");
+  const std::string page = scratch.file("page.html");
+  const std::vector<std::string> arguments =
+      linkages(out, {"--samples", "6000", "--target", target, "--best", "4", "--html", page});
+  const Outcome first = run_command(arguments);
+  ASSUR_NEEDS_HDF5(first);
+  ASSERT_EQ(first.status, 0) << first.err;
+  const auto best = first.json()["best"];
+  ASSERT_EQ(best.size(), 4u);
+  double before = 0;
+  for (const auto& row : best) {
+    EXPECT_GE(row["figures"]["distance"], before);
+    before = row["figures"]["distance"];
+  }
+  EXPECT_LT(before, 0.2) << "a random path is 0.3 to 0.5 away";
+  EXPECT_EQ(run_command(arguments).json()["best"], best) << "also of rows of an earlier call";
+  const std::string text = content(page);
+  std::size_t pictures = 0;
+  for (std::size_t at = 0; (at = text.find("data:image/svg+xml;base64,", at)) != std::string::npos; ++at) ++pictures;
+  EXPECT_EQ(pictures, 4u);
+  const Outcome other = run_command(linkages(out, {"--samples", "6000"}));
+  EXPECT_EQ(other.status, 2);
+  EXPECT_NE((other.out + other.err).find("has another target"), std::string::npos) << other.out << other.err;
+  for (const std::string bad : {"x,y\n1,2\n", "x,z\n1,2\n3,4\n5,6\n", "x,y\n1,a\n"}) {
+    EXPECT_EQ(
+        run_command(linkages(scratch.file("bad.h5"), {"--samples", "9", "--target", scratch.file("bad.csv", bad)}))
+            .status,
+        2)
+        << bad;
+  }
+}
+
 TEST(SweepLinkages, RefusesOtherFiles) {
   const Scratch scratch;
   const std::string out = scratch.file("all.h5");
@@ -110,6 +156,8 @@ TEST(SweepLinkages, RefusesWrongOptions) {
   expect({"linkages:times=1", "--samples", "9", "--out", out}, "times= expects a whole number from 2 to 1000000");
   expect({"linkages:bars=5", "--samples", "9", "--out", out}, "linkages has the options joints=5..20, times=200");
   expect({"four_bar", "--samples", "9", "--out", out}, "--vary: give the parameters to vary");
+  expect({"four_bar", "--samples", "9", "--out", out, "--vary", "omega=1:2", "--target", "a.csv"},
+         "--target: is for the sample linkages only");
 }
 
 }  // namespace

@@ -87,8 +87,9 @@ struct SweepOptions {
   std::vector<std::string> reduce = {"min", "max"};            // figures of each output
   std::int64_t best = 0;                                       // samples to list: those with the smallest first figure
   std::string strategy = "auto";
-  std::string out;   // CSV with a row for each sample
-  std::string html;  // a page with figures over parameters, and the best samples in motion; empty: none
+  std::string target;  // CSV with a curve; the sample `linkages` only; empty: none
+  std::string out;     // CSV with a row for each sample
+  std::string html;    // a page with figures over parameters, and the best samples in motion; empty: none
 };
 
 struct CompareOptions {

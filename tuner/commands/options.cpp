@@ -251,6 +251,8 @@ void add_sweep(CLI::App& app, Invocation& call) {
       ->type_name("K");
   sweep.add_option("--strategy", o.strategy, "Solution strategy: auto (default), groups/lanes:8, ...")
       ->type_name("TEXT");
+  sweep.add_option("--target", o.target, "For linkages: a CSV with the columns x,y of a curve to compare paths with")
+      ->type_name("FILE");
   CLI::Option* out =
       sweep.add_option("--out", o.out, "Write a CSV (of linkages: an .h5 file); an earlier one is continued")
           ->required();

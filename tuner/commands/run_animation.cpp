@@ -1,6 +1,8 @@
 // assur run SCENE --animate FILE --picture FILE
 #include <algorithm>
+#include <iostream>
 #include <optional>
+#include <sstream>
 #include <utility>
 
 #include "assur/machine.hpp"
@@ -67,6 +69,18 @@ bool write_animation(const Prepared& prepared, const Report& report, PrepareOpti
   if (page != nullptr) *page << animation.page(about(prepared, options));
   if (picture != nullptr) *picture << animation.picture();
   return !Interrupt::requested();
+}
+
+std::string moving_picture_of(const Prepared& prepared, const PrepareOptions& how, const RunOptions& options) {
+  std::ostringstream picture;
+  output::Progress none(std::cerr, output::Progress::Style::none, "step");
+  try {
+    (void)write_animation(prepared, {}, how, {}, options, nullptr, &picture, none);
+  } catch (const Error& e) {
+    if (e.kind() == Error::Kind::environment) throw;
+    return {};
+  }
+  return picture.str();
 }
 
 void write_refused(const Scene& scene, const PrepareOptions& how, const std::string& file) {

@@ -45,8 +45,12 @@ void check_errors(const RunOptions& options, const PrepareOptions& how);
 // Repeats the motion for --animate and --picture, step by step and with all points; null: not requested. False if
 // interrupted; page and picture then show the motion so far.
 [[nodiscard]] bool write_animation(const Prepared& prepared, const Report& report, PrepareOptions how,
-                                   const std::vector<ModeChoice>& modes, const RunOptions& options,
-                                   std::ostream* page, std::ostream* picture, output::Progress& progress);
+                                   const std::vector<ModeChoice>& modes, const RunOptions& options, std::ostream* page,
+                                   std::ostream* picture, output::Progress& progress);
+
+// The mechanism in motion, as SVG. Empty for one that cannot be drawn.
+[[nodiscard]] std::string moving_picture_of(const Prepared& prepared, const PrepareOptions& how,
+                                            const RunOptions& options);
 
 // The page for a scene that cannot be assembled: the guess and the closest posture.
 void write_refused(const Scene& scene, const PrepareOptions& how, const std::string& file);

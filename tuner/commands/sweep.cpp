@@ -6,7 +6,6 @@
 #include <functional>
 #include <iostream>
 #include <optional>
-#include <sstream>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -87,6 +86,7 @@ std::optional<Scene> scene_or_none(const std::function<Scene(const std::vector<d
 
 void check(const Common& common, const SweepOptions& options) {
   if (options.vary.empty()) refuse("--vary", "give the parameters to vary, with their ranges: a=LOW:HIGH,...");
+  if (!options.target.empty()) refuse("--target", "is for the sample linkages only");
   if (options.out == "-") refuse("--out", "rows are kept in a file, so that a sweep can go on; give its name");
   for (std::size_t i = 0; i < options.vary.size(); ++i) {
     const std::string& name = options.vary[i].name;
@@ -234,19 +234,6 @@ std::string sentence_of(const Tally& tally, std::int64_t wanted) {
          grouped(tally.jammed) + " jammed, " + grouped(tally.not_assembled) + " not assembled.";
 }
 
-// A sample in motion, as SVG. Empty for a mechanism that cannot be drawn.
-std::string motion_of(const Prepared& prepared, const PrepareOptions& how, const RunOptions& options) {
-  std::ostringstream picture;
-  Progress none(std::cerr, Progress::Style::none, "step");
-  try {
-    (void)write_animation(prepared, {}, how, {}, options, nullptr, &picture, none);
-  } catch (const Error& e) {
-    if (e.kind() == Error::Kind::environment) throw;
-    return {};
-  }
-  return picture.str();
-}
-
 }  // namespace
 
 int sweep(const Common& common, const SweepOptions& options) {
@@ -322,7 +309,8 @@ int sweep(const Common& common, const SweepOptions& options) {
                              tally.best,    {}};
     page.about = {sentence_of(tally, last - first),
                   "Shown: " + counted(static_cast<std::int64_t>(page.rows.size()), "sample") + "."};
-    for (const Row& row : tally.best) page.motions.push_back(motion_of(prepared_at(row.parameters), how, as_run));
+    for (const Row& row : tally.best)
+      page.motions.push_back(moving_picture_of(prepared_at(row.parameters), how, as_run));
     html->stream() << pictures::page_of(page);
     html->put();
   }

@@ -3,6 +3,7 @@
 #include <charconv>
 #include <cmath>
 #include <iostream>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <tuple>
@@ -12,11 +13,14 @@
 #include "assur/machine.hpp"
 #include "commands/commands.hpp"
 #include "commands/interrupt.hpp"
+#include "commands/run_parts.hpp"
 #include "measure/step_times.hpp"
 #include "output/format.hpp"
 #include "output/json.hpp"
 #include "output/page.hpp"
 #include "output/progress.hpp"
+#include "output/replace_file.hpp"
+#include "pictures/sweep_page.hpp"
 #include "sweep/linkage_file.hpp"
 
 namespace assur::command {
@@ -41,6 +45,19 @@ int whole(std::string_view text, int least, int most, const std::string& what) {
                         ", not \"" + std::string(text) + "\"");
   }
   return value;
+}
+
+// A CSV with the columns x and y.
+std::vector<PlanePoint> curve_in(const std::string& file) {
+  std::vector<PlanePoint> curve;
+  for (const Parameters& row : read_variants(file)) {
+    if (row.size() != 2 || !row.contains("x") || !row.contains("y")) {
+      refuse("--target", file + " needs the two columns x and y");
+    }
+    curve.push_back({row.at("x"), row.at("y")});
+  }
+  if (curve.size() < 3) refuse("--target", file + " needs at least three points");
+  return curve;
 }
 
 // "linkages:joints=5..20,times=200,precision=single"
@@ -73,6 +90,7 @@ sweep::LinkageSet set_of(const SweepOptions& options) {
                           std::string(word) + "\"");
     }
   }
+  if (!options.target.empty()) set.target = curve_in(options.target);
   for (int k = 0; k < times; ++k) set.times.push_back(k / static_cast<double>(times));  // one turn, which closes
   return set;
 }
@@ -81,8 +99,9 @@ void check(const SweepOptions& options, const sweep::LinkageSet& set) {
   if (!options.vary.empty()) refuse("--vary", "random linkages have no parameters to vary");
   if (options.sampler != sweep::Sampler::random) refuse("--sampler", "linkages are random");
   if (!options.outputs.empty()) refuse("--outputs", "of a linkage, the path of the last joint is kept");
-  if (!options.html.empty()) refuse("--html", "linkages have no parameters to show");
-  if (options.best > 0) refuse("--best", "linkages have no figures to compare");
+  const std::string without_target = "needs a curve to compare paths with: --target FILE";
+  if (!options.html.empty() && options.target.empty()) refuse("--html", without_target);
+  if (options.best > 0 && options.target.empty()) refuse("--best", without_target);
   if (options.strategy != "auto") refuse("--strategy", "linkages are solved in closed form");
   if (!options.out.ends_with(".h5") && !options.out.ends_with(".hdf5")) {
     refuse("--out", "linkages are written as HDF5; give a name that ends with .h5");
@@ -109,6 +128,7 @@ std::vector<sweep::LinkageRow> rows_of(const sweep::LinkageSet& set, std::int64_
     row.error = motion.error;
     row.curve.resize(motion.path.size());
     normalize(motion.path, row.frame, row.curve);
+    if (!set.target.empty()) row.distance = shape_distance(row.curve, set.target);
   };
   report = Fleet(rows.size(), source).run(set.times, sink, how);
   if (report.interrupted) return {};
@@ -116,16 +136,57 @@ std::vector<sweep::LinkageRow> rows_of(const sweep::LinkageSet& set, std::int64_
   return rows;
 }
 
+// The rows with the smallest distances from the target, ascending; at most `most`.
+std::vector<sweep::Row> best_of(const sweep::LinkageFile& file, std::int64_t most) {
+  std::vector<std::pair<std::int64_t, double>> all = file.distances();
+  std::erase_if(all, [](const auto& row) { return std::isnan(row.second); });
+  const auto count = std::min(all.size(), static_cast<std::size_t>(most));
+  std::partial_sort(
+      all.begin(), all.begin() + static_cast<std::ptrdiff_t>(count), all.end(),
+      [](const auto& a, const auto& b) { return std::tie(a.second, a.first) < std::tie(b.second, b.first); });
+  std::vector<sweep::Row> best;
+  for (std::size_t i = 0; i < count; ++i) {
+    best.push_back({.sample = all[i].first,
+                    .parameters = {},
+                    .status = "ok",
+                    .reached = 1,
+                    .figures = {all[i].second},
+                    .why = {}});
+  }
+  return best;
+}
+
+void write_page(const Common& common, const SweepOptions& options, const sweep::LinkageSet& set,
+                const std::vector<sweep::Row>& best, output::Replacement& page) {
+  pictures::SweepPage about{
+      options.scene, {"Distances are from " + options.target + "."}, {}, {"distance"}, {}, best, {}};
+  PrepareOptions how;
+  how.budget = common.threads > 0 ? ThreadBudget{common.threads} : this_machine().budget();
+  for (const sweep::Row& row : best) {
+    Linkage linkage;
+    sweep::random_linkage(set.seed, static_cast<std::uint64_t>(row.sample), set.joints, linkage);
+    const TimeGrid turn{0, 1, 1.0 / static_cast<double>(set.times.size())};
+    about.motions.push_back(moving_picture_of(prepare(scene_of(linkage, turn), how), how, {}));
+  }
+  page.stream() << pictures::page_of(about);
+  page.put();
+}
+
 // before: samples of an earlier call.
-void print(const Common& common, const SweepOptions& options, const sweep::LinkageCounts& counts, std::int64_t before,
-           std::int64_t wanted, double seconds) {
+void print(const Common& common, const SweepOptions& options, const sweep::LinkageCounts& counts,
+           const std::vector<sweep::Row>& best, std::int64_t before, std::int64_t wanted, double seconds) {
   if (common.json) {
+    Json list = Json::array();
+    for (const sweep::Row& row : best) {
+      list.push_back(
+          {{"sample", row.sample}, {"parameters", Json::object()}, {"figures", {{"distance", row.figures[0]}}}});
+    }
     output::print(std::cout, {{"samples", counts.samples},
                               {"done", counts.rows},
                               {"jammed", counts.jammed},
                               {"not_assembled", counts.not_closed},
                               {"inaccurate", counts.inaccurate},
-                              {"best", Json::array()},
+                              {"best", list},
                               {"seconds", seconds},
                               {"out", options.out}});
     return;
@@ -137,6 +198,11 @@ void print(const Common& common, const SweepOptions& options, const sweep::Linka
   page.fact("jammed", grouped(counts.jammed));
   page.fact("not assembled", grouped(counts.not_closed));
   if (counts.inaccurate > 0) page.fact("inaccurate", grouped(counts.inaccurate) + ", left out");
+  std::vector<std::string> lines;
+  for (const sweep::Row& row : best) {
+    lines.push_back("sample " + grouped(row.sample) + ": distance = " + output::number(row.figures[0]));
+  }
+  page.list("best", lines);
   page.fact("time", output::duration(seconds));
   page.fact("rows", options.out);
 }
@@ -146,7 +212,9 @@ void print(const Common& common, const SweepOptions& options, const sweep::Linka
 int sweep_linkages(const Common& common, const SweepOptions& options) {
   const sweep::LinkageSet set = set_of(options);
   check(options, set);
-  refuse_overwriting(common, {{"--out", options.out}}, {});
+  refuse_overwriting(common, {{"--out", options.out}, {"--html", options.html}}, {options.target});
+  std::optional<output::Replacement> html;
+  if (!options.html.empty()) html.emplace("--html", options.html);
   sweep::LinkageFile file(options.out, set);
   FleetOptions how;
   how.threads = common.threads > 0 ? common.threads : this_machine().budget().threads;
@@ -167,7 +235,9 @@ int sweep_linkages(const Common& common, const SweepOptions& options) {
     progress.show(measure::StepTimes::steady() - begin, file.counts().samples, wanted);
   }
   progress.clear();
-  print(common, options, file.counts(), before, wanted, measure::StepTimes::steady() - begin);
+  const std::vector<sweep::Row> best = best_of(file, options.best);
+  if (html) write_page(common, options, set, best, *html);
+  print(common, options, file.counts(), best, before, wanted, measure::StepTimes::steady() - begin);
   return interrupted ? kInterrupted : kDone;
 }
 

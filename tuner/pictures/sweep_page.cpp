@@ -139,6 +139,7 @@ std::string page_of(const SweepPage& page) {
   body += best_of(page);
   for (std::size_t f = 0; f < page.figures.size(); ++f) body += plots_of_figure(page, f);
   body += plots_of_ends(page);
+  if (page.rows.empty()) return html_page(title, std::string(plot_style()) + std::string(kStyle), body);
   body += paragraph(
       "Dots: samples that are done. Crosses: jammed, with the figures up to there. Plus signs: not assembled. "
       "Diamonds: "

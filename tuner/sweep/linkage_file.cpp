@@ -89,6 +89,7 @@ struct LinkageFile::Impl {
     add("radius", H5T_IEEE_F64LE, real, {});
     add("angle", H5T_IEEE_F64LE, real, {});
     add("error", H5T_IEEE_F64LE, real, {});
+    if (!set.target.empty()) add("distance", H5T_IEEE_F64LE, real, {});
     std::error_code ignored;
     if (std::filesystem::exists(name, ignored)) {
       open(set);
@@ -128,6 +129,21 @@ struct LinkageFile::Impl {
     return value;
   }
 
+  void write_constant(const char* of, const Shape& shape, const double* values) const {
+    const Handle space = space_of(shape, shape);
+    const Handle data(H5Dcreate2(*file, of, H5T_IEEE_F64LE, *space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Dclose);
+    check(H5Dwrite(*data, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values));
+  }
+  // Empty if there is no such data set.
+  template <class T = double>
+  [[nodiscard]] std::vector<T> numbers_in(const char* of, hid_t type = H5T_NATIVE_DOUBLE) const {
+    if (H5Lexists(*file, of, H5P_DEFAULT) <= 0) return {};
+    const Handle data(H5Dopen2(*file, of, H5P_DEFAULT), H5Dclose), space(H5Dget_space(*data), H5Sclose);
+    std::vector<T> values(static_cast<std::size_t>(H5Sget_simple_extent_npoints(*space)));
+    check(H5Dread(*data, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()));
+    return values;
+  }
+
   void create(const LinkageSet& set) {
     file = {H5Fcreate(name.c_str(), H5F_ACC_EXCL, H5P_DEFAULT, H5P_DEFAULT), H5Fclose};
     if (!file.valid()) fail();
@@ -146,10 +162,8 @@ struct LinkageFile::Impl {
       c.data = {H5Dcreate2(*file, c.name, c.stored, *space, H5P_DEFAULT, *how, H5P_DEFAULT), H5Dclose};
       if (!c.data.valid()) fail();
     }
-    const Handle space = space_of({times}, {times});
-    const Handle data(H5Dcreate2(*file, "times", H5T_IEEE_F64LE, *space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
-                      H5Dclose);
-    check(H5Dwrite(*data, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, set.times.data()));
+    write_constant("times", {times}, set.times.data());
+    if (!set.target.empty()) write_constant("target", {set.target.size(), 2}, set.target.data()->data());
     for (const auto& [attribute, value] : description(set)) put(attribute, value);
     finish();
   }
@@ -162,12 +176,10 @@ struct LinkageFile::Impl {
       refuse("has " + std::string(attribute) + " " + std::to_string(get(attribute)) + ", this sweep " +
              std::to_string(value));
     }
-    const Handle data(H5Dopen2(*file, "times", H5P_DEFAULT), H5Dclose);
-    std::vector<double> had(times);
-    const bool same_number = data.valid() && H5Sget_simple_extent_npoints(*Handle(H5Dget_space(*data), H5Sclose)) ==
-                                                 static_cast<hssize_t>(times);
-    if (same_number) check(H5Dread(*data, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, had.data()));
-    if (!same_number || had != set.times) refuse("has other times");
+    std::vector<double> target;
+    for (const PlanePoint& p : set.target) target.insert(target.end(), p.begin(), p.end());
+    if (numbers_in("times") != set.times) refuse("has other times");
+    if (numbers_in("target") != target) refuse("has another target");
     for (const auto& [attribute, value] : figures()) *value = get(attribute);
     for (Column& c : columns) {
       c.data = {H5Dopen2(*file, c.name, H5P_DEFAULT), H5Dclose};
@@ -240,6 +252,7 @@ struct LinkageFile::Impl {
       write<double>(8, all, [](const LinkageRow& r, auto* to) { *to = r.frame.radius; });
       write<double>(9, all, [](const LinkageRow& r, auto* to) { *to = r.frame.angle; });
       write<double>(10, all, [](const LinkageRow& r, auto* to) { *to = r.error; });
+      if (columns.size() > 11) write<double>(11, all, [](const LinkageRow& r, auto* to) { *to = r.distance; });
       check(H5Fflush(*file, H5F_SCOPE_LOCAL));
     }
     counts.samples += more.samples;
@@ -260,6 +273,13 @@ struct LinkageFile::Impl {
 LinkageFile::LinkageFile(const std::string& name, const LinkageSet& set) : impl_(std::make_unique<Impl>(name, set)) {}
 LinkageFile::~LinkageFile() = default;
 const LinkageCounts& LinkageFile::counts() const { return impl_->counts; }
+std::vector<std::pair<std::int64_t, double>> LinkageFile::distances() const {
+  const std::vector<double> distances = impl_->numbers_in("distance");
+  const auto samples = impl_->numbers_in<std::int64_t>("sample", H5T_NATIVE_INT64);
+  std::vector<std::pair<std::int64_t, double>> all;
+  for (std::size_t i = 0; i < distances.size(); ++i) all.emplace_back(samples[i], distances[i]);
+  return all;
+}
 void LinkageFile::append(std::span<const LinkageRow> rows, const LinkageCounts& more) { impl_->append(rows, more); }
 
 }  // namespace assur::sweep

@@ -5,6 +5,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "assur/curve.hpp"
@@ -20,6 +21,7 @@ struct LinkageSet {
   std::vector<double> times;         // s
   bool single = true;                // curves are stored in single precision
   std::int64_t first = 0, last = 0;  // samples from the first up to, without, the last
+  std::vector<PlanePoint> target;    // paths are compared with it; empty: none
 };
 
 // Samples that are done.
@@ -33,13 +35,14 @@ struct LinkageRow {
   Linkage linkage;
   CurveFrame frame;
   double error = 0;               // estimated, as LinkageMotion::error
+  double distance = 0;            // shape_distance() from the target
   std::vector<PlanePoint> curve;  // in its normal place, one point for each time
 };
 
 // Data sets of N rows, J joints and T times. Unused joints are 0.
 //   sample (N), joints (N); kind, left (N, J), parents (N, J, 2), values (N, J, 3): as LinkageJoint, with the numbers
 //   of its kinds; times (T); curves (N, T, 2), in their normal places; center (N, 2), radius (N), angle (N): as
-//   CurveFrame; error (N)
+//   CurveFrame; error (N); with a target: distance (N), target (M, 2)
 // Attributes of the file: seed, fewest_joints, most_joints, first_sample, last_sample, and LinkageCounts.
 class LinkageFile {
  public:
@@ -49,6 +52,8 @@ class LinkageFile {
   ~LinkageFile();
 
   [[nodiscard]] const LinkageCounts& counts() const;
+  // Sample and distance of all rows; empty without a target.
+  [[nodiscard]] std::vector<std::pair<std::int64_t, double>> distances() const;
   // Appends rows and flushes the file. `more`: the samples that they were taken from; its number of rows is ignored.
   // Throws Error (environment) if the file cannot be written.
   void append(std::span<const LinkageRow> rows, const LinkageCounts& more);

@@ -14,6 +14,7 @@ const LinkageCounts& LinkageFile::counts() const {
   static const LinkageCounts kNone;
   return kNone;
 }
+std::vector<std::pair<std::int64_t, double>> LinkageFile::distances() const { return {}; }
 void LinkageFile::append(std::span<const LinkageRow> /*rows*/, const LinkageCounts& /*more*/) {}
 
 }  // namespace assur::sweep
