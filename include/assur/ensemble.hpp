@@ -109,10 +109,10 @@ class Ensemble {
   // the constructor throws the first of these errors. Other exceptions propagate. In an ensemble, controlled drivers
   // follow their laws. The first member that can be prepared gives the plan: W members (Plan::lanes) run in the lanes
   // of a pack, and P threads (RunSettings::threads) take packs in turn. Members of another structure share packs among
-  // themselves, by the plan of the first of them; a member whose structure no other one has runs alone. So does a member
-  // with another start time, which first moves from its own start posture to the first of the times. Members with
-  // callbacks or gears run alone as well, unless they are copies of one Prepared. A member whose outputs differ from
-  // those of the first cannot take part. Throws Error: input for no members, for limits as in Simulator, and for a
+  // themselves, by the plan of the first of them; a member whose structure no other one has runs alone. So does a
+  // member with another start time, which first moves from its own start posture to the first of the times. Members
+  // with callbacks or gears run alone as well, unless they are copies of one Prepared. A member whose outputs differ
+  // from those of the first cannot take part. Throws Error: input for no members, for limits as in Simulator, and for a
   // deadline among them; environment if a backend of the plan cannot run here.
   Ensemble(std::size_t members, const std::function<Prepared(std::size_t)>& member, StepLimits limits = {});
   Ensemble(Ensemble&&) noexcept;             // the other ensemble may then only be destroyed or assigned to

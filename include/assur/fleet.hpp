@@ -75,7 +75,7 @@ struct LinkageMotion {
   Status status;
   double reached = 0;       // last time at which all dyads are known to be closed, s; NaN if none is
   double not_beyond = 0;    // if the motion ended: a time after `reached` at which it cannot be continued, s; else NaN
-  std::int32_t joint = -1;  // the dyad at which the motion ended; -1: none
+  std::int32_t joint = -1;  // the dyad that cannot be closed; -1: there is none, or it is unknown
   double residual = 0;      // largest relative residual | |p - a|^2 - l^2 | / l^2 of all dyads
   // Estimated error of the path (to first order, from rounding errors with random signs), divided by the largest
   // coordinate of the path or the mean length of the linkage, whichever is larger.
@@ -136,7 +136,8 @@ class Fleet {
   [[nodiscard]] std::size_t size() const { return size_; }
 
   // Moves linkages `first` up to, without, `last`. times: ascending, s; at least one. Throws Error (input) for other
-  // times, a wrong range, or a linkage of the source that is not valid. Exceptions of source and sink propagate.
+  // times, a wrong range, options that are not positive, or a linkage of the source that is not valid. Exceptions of
+  // source and sink propagate.
   FleetReport run(std::span<const double> times, const Sink& sink, const FleetOptions& options, std::size_t first,
                   std::size_t last) const;
   // Moves all linkages.

@@ -65,8 +65,9 @@ FleetReport Fleet::run(std::span<const double> times, const Sink& sink, const Fl
                                         std::to_string(first) + " to " + std::to_string(last));
   }
   if (!(options.accuracy > 0)) throw Error(Error::Kind::input, "the accuracy of a fleet must be positive");
+  if (options.threads < 1) throw Error(Error::Kind::input, "a fleet needs at least one thread");
   const std::size_t parts = std::max<std::size_t>((last - first + kTogether - 1) / kTogether, 1);
-  Team team(static_cast<int>(std::min(parts, static_cast<std::size_t>(std::max(options.threads, 1)))));
+  Team team(static_cast<int>(std::min(parts, static_cast<std::size_t>(options.threads))));
   std::vector<FleetReport> reports(static_cast<std::size_t>(team.size()));
   std::atomic<std::size_t> next{first};
   std::atomic<bool> stopped{false}, failed{false};

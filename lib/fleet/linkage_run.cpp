@@ -89,7 +89,7 @@ bool LinkageRun::pass_interval(std::size_t level, unsigned i) {
   const double to = outer.times[i], from = to - outer.steps[i];
   const bool ends = i == outer.figures.closed;
   if (level + 1 > kDeepest || !(from < to)) {
-    end(ends ? Code::limit_reached : Code::branch_unknown, from, to, outer.figures.joint);
+    end(ends ? Code::limit_reached : Code::branch_unknown, from, to, ends ? outer.figures.joint : -1);
     return false;
   }
   if (ends && level >= kSmooth) {

@@ -244,6 +244,9 @@ TEST(Fleet, RefusesWhatIsNotALinkage) {
   EXPECT_NE(refusal([&] { (void)fleet.run(std::vector<double>{0, kNan}, sink); }), "nothing was refused");
   EXPECT_NE(refusal([&] { (void)fleet.run(std::vector<double>{0}, sink, {}, 1, 2); }), "nothing was refused");
   FleetOptions exact;
+  FleetOptions none;
+  none.threads = 0;
+  EXPECT_NE(refusal([&] { (void)fleet.run(std::vector<double>{0}, sink, none); }), "nothing was refused");
   exact.accuracy = 0;
   EXPECT_NE(refusal([&] { (void)fleet.run(std::vector<double>{0}, sink, exact); }), "nothing was refused");
 }

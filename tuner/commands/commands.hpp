@@ -161,6 +161,8 @@ int import_scene(const Common& common, const ImportOptions& options);
 int inspect(const Common& common, const InspectOptions& options);
 int run(const Common& common, const RunOptions& options);
 int sweep(const Common& common, const SweepOptions& options);
+// The samples from the first up to, without, the second. Throws Error (input) for a range that there is not.
+[[nodiscard]] std::pair<std::int64_t, std::int64_t> range_of(const SweepOptions& options);
 int sweep_linkages(const Common& common, const SweepOptions& options);  // sweep of the sample `linkages`
 int compare(const Common& common, const CompareOptions& options);
 int plan(const Common& common, const PlanOptions& options);

@@ -98,13 +98,6 @@ void check(const Common& common, const SweepOptions& options) {
   if (options.strategy != "auto" && parse_strategy(options.strategy).run.chunks > 1) {
     refuse("--strategy", "samples use the lanes and threads; remove +chunks=");
   }
-  if (options.range) {
-    const auto [from, to] = *options.range;
-    if (from < 0 || to <= from || to > options.samples) {
-      refuse("--range", "expects I:J with 0 <= I < J <= " + std::to_string(options.samples) + ", not " +
-                            std::to_string(from) + ":" + std::to_string(to));
-    }
-  }
 }
 
 // The file of rows. A file of an earlier call is continued after its last complete row, once its last block is found to
@@ -236,12 +229,21 @@ std::string sentence_of(const Tally& tally, std::int64_t wanted) {
 
 }  // namespace
 
+std::pair<std::int64_t, std::int64_t> range_of(const SweepOptions& options) {
+  const auto [from, to] = options.range.value_or(std::pair<std::int64_t, std::int64_t>{0, options.samples});
+  if (from < 0 || to <= from || to > options.samples) {
+    refuse("--range", "expects I:J with 0 <= I < J <= " + std::to_string(options.samples) + ", not " +
+                          std::to_string(from) + ":" + std::to_string(to));
+  }
+  return {from, to};
+}
+
 int sweep(const Common& common, const SweepOptions& options) {
   if (options.scene == "linkages" || options.scene.starts_with("linkages:")) return sweep_linkages(common, options);
   check(common, options);
   refuse_overwriting(common, {{"--out", options.out}, {"--html", options.html}}, {options.scene});
   const sweep::DesignSpace space(options.vary, options.sampler, options.samples, options.seed);
-  const auto [first, last] = options.range.value_or(std::pair<std::int64_t, std::int64_t>{0, options.samples});
+  const auto [first, last] = range_of(options);
 
   RunOptions as_run;
   as_run.scene = options.scene;

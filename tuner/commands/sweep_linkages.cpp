@@ -64,7 +64,7 @@ std::vector<PlanePoint> curve_in(const std::string& file) {
 sweep::LinkageSet set_of(const SweepOptions& options) {
   sweep::LinkageSet set;
   set.seed = options.seed;
-  std::tie(set.first, set.last) = options.range.value_or(std::pair<std::int64_t, std::int64_t>{0, options.samples});
+  std::tie(set.first, set.last) = range_of(options);
   int times = 200;
   std::string_view rest = options.scene;
   rest.remove_prefix(std::min(rest.size(), std::string_view("linkages:").size()));
@@ -95,7 +95,7 @@ sweep::LinkageSet set_of(const SweepOptions& options) {
   return set;
 }
 
-void check(const SweepOptions& options, const sweep::LinkageSet& set) {
+void check(const SweepOptions& options) {
   if (!options.vary.empty()) refuse("--vary", "random linkages have no parameters to vary");
   if (options.sampler != sweep::Sampler::random) refuse("--sampler", "linkages are random");
   if (!options.outputs.empty()) refuse("--outputs", "of a linkage, the path of the last joint is kept");
@@ -105,10 +105,6 @@ void check(const SweepOptions& options, const sweep::LinkageSet& set) {
   if (options.strategy != "auto") refuse("--strategy", "linkages are solved in closed form");
   if (!options.out.ends_with(".h5") && !options.out.ends_with(".hdf5")) {
     refuse("--out", "linkages are written as HDF5; give a name that ends with .h5");
-  }
-  if (set.first < 0 || set.last <= set.first || set.last > options.samples) {
-    refuse("--range", "expects I:J with 0 <= I < J <= " + std::to_string(options.samples) + ", not " +
-                          std::to_string(set.first) + ":" + std::to_string(set.last));
   }
 }
 
@@ -158,8 +154,13 @@ std::vector<sweep::Row> best_of(const sweep::LinkageFile& file, std::int64_t mos
 
 void write_page(const Common& common, const SweepOptions& options, const sweep::LinkageSet& set,
                 const std::vector<sweep::Row>& best, output::Replacement& page) {
-  pictures::SweepPage about{
-      options.scene, {"Distances are from " + options.target + "."}, {}, {"distance"}, {}, best, {}};
+  pictures::SweepPage about{options.scene,
+                            {"Distances of paths from the curve in " + options.target + ", in normal places."},
+                            {},
+                            {"distance"},
+                            {},
+                            best,
+                            {}};
   PrepareOptions how;
   how.budget = common.threads > 0 ? ThreadBudget{common.threads} : this_machine().budget();
   for (const sweep::Row& row : best) {
@@ -210,8 +211,8 @@ void print(const Common& common, const SweepOptions& options, const sweep::Linka
 }  // namespace
 
 int sweep_linkages(const Common& common, const SweepOptions& options) {
+  check(options);
   const sweep::LinkageSet set = set_of(options);
-  check(options, set);
   refuse_overwriting(common, {{"--out", options.out}, {"--html", options.html}}, {options.target});
   std::optional<output::Replacement> html;
   if (!options.html.empty()) html.emplace("--html", options.html);

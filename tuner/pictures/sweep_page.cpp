@@ -134,7 +134,7 @@ std::string best_of(const SweepPage& page) {
 }  // namespace
 
 std::string page_of(const SweepPage& page) {
-  const std::string title = page.scene + ": samples of a design space";
+  const std::string title = page.scene + (page.ranges.empty() ? ": the best samples" : ": samples of a design space");
   std::string body = "<h1>" + escaped(title) + "</h1>\n" + paragraph(page.about, "faint");
   body += best_of(page);
   for (std::size_t f = 0; f < page.figures.size(); ++f) body += plots_of_figure(page, f);
