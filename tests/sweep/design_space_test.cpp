@@ -8,6 +8,7 @@
 #include <set>
 
 #include "assur/status.hpp"
+#include "sweep/philox.hpp"
 
 namespace assur::sweep {
 namespace {

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "assur/status.hpp"
+#include "sweep/philox.hpp"
 
 namespace assur::sweep {
 namespace {
@@ -35,9 +36,6 @@ std::int64_t side_of_grid(std::int64_t samples, std::size_t d) {
                           std::to_string(power(near + 1, d, kMost)) + ", not " + std::to_string(samples));
 }
 
-constexpr std::uint32_t low_half(std::uint64_t x) { return static_cast<std::uint32_t>(x); }
-constexpr std::uint32_t high_half(std::uint64_t x) { return static_cast<std::uint32_t>(x >> 32); }
-
 // 64 random bits for parameter d of point k.
 std::uint64_t random_bits(std::uint64_t seed, std::uint64_t k, std::size_t d) {
   const auto block = philox({low_half(k), high_half(k), low_half(d / 2), 0}, {low_half(seed), high_half(seed)});
@@ -49,16 +47,6 @@ std::uint64_t random_bits(std::uint64_t seed, std::uint64_t k, std::size_t d) {
 double unit(std::uint64_t bits) { return std::ldexp(static_cast<double>(bits >> 11), -53); }
 
 }  // namespace
-
-std::array<std::uint32_t, 4> philox(std::array<std::uint32_t, 4> c, std::array<std::uint32_t, 2> key) {
-  constexpr int kRounds = 10;
-  for (int round = 0; round < kRounds; ++round) {
-    const std::uint64_t a = std::uint64_t{0xD2511F53} * c[0], b = std::uint64_t{0xCD9E8D57} * c[2];
-    c = {high_half(b) ^ c[1] ^ key[0], low_half(b), high_half(a) ^ c[3] ^ key[1], low_half(a)};
-    key = {key[0] + 0x9E3779B9U, key[1] + 0xBB67AE85U};
-  }
-  return c;
-}
 
 DesignSpace::DesignSpace(std::vector<Range> ranges, Sampler sampler, std::int64_t samples, std::uint64_t seed)
     : ranges_(std::move(ranges)), sampler_(sampler), samples_(samples), seed_(seed) {

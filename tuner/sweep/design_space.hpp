@@ -2,7 +2,6 @@
 // anywhere, in any order.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -39,11 +38,6 @@ class DesignSpace {
   std::int64_t samples_, side_ = 1;  // side: values of one parameter of a grid
   std::uint64_t seed_;
 };
-
-// The generator Philox 4x32-10 (Salmon, Moraes, Dror and Shaw, Parallel random numbers: as easy as 1, 2, 3, 2011): the
-// block of random bits with this number.
-[[nodiscard]] std::array<std::uint32_t, 4> philox(std::array<std::uint32_t, 4> counter,
-                                                  std::array<std::uint32_t, 2> key);
 
 // Point k of the sequence of Sobol in [0, 2^64) for each dimension. Throws Error (environment) in a build without
 // Boost.

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "numbers.hpp"
-#include "sweep/design_space.hpp"
+#include "sweep/philox.hpp"
 
 namespace assur::sweep {
 namespace {
@@ -23,8 +23,7 @@ class Numbers {
   // In [0, 1).
   double operator()() {
     if (left_ == 0) {
-      block_ = philox({next_++, static_cast<std::uint32_t>(k_), static_cast<std::uint32_t>(k_ >> 32), kStream},
-                      {static_cast<std::uint32_t>(seed_), static_cast<std::uint32_t>(seed_ >> 32)});
+      block_ = philox({next_++, low_half(k_), high_half(k_), kStream}, {low_half(seed_), high_half(seed_)});
       left_ = 4;
     }
     return block_[4 - left_--] * 0x1p-32;
