@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iostream>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <tuple>
@@ -91,7 +92,7 @@ sweep::LinkageSet set_of(const SweepOptions& options) {
     }
   }
   if (!options.target.empty()) set.target = curve_in(options.target);
-  for (int k = 0; k < times; ++k) set.times.push_back(k / static_cast<double>(times));  // one turn, which closes
+  for (int k = 0; k < times; ++k) set.times.push_back(k / static_cast<double>(times));  // of one turn
   return set;
 }
 
@@ -112,6 +113,8 @@ void check(const SweepOptions& options) {
 std::vector<sweep::LinkageRow> rows_of(const sweep::LinkageSet& set, std::int64_t first, std::int64_t last,
                                        const FleetOptions& how, FleetReport& report) {
   std::vector<sweep::LinkageRow> rows(static_cast<std::size_t>(last - first));
+  std::vector<double> turn = set.times;
+  turn.push_back(1);  // a linkage must not jam after the last time of its path
   const auto source = [&](std::size_t i, Linkage& to) {
     sweep::random_linkage(set.seed, static_cast<std::uint64_t>(first) + i, set.joints, to);
   };
@@ -120,13 +123,14 @@ std::vector<sweep::LinkageRow> rows_of(const sweep::LinkageSet& set, std::int64_
     sweep::LinkageRow& row = rows[i];
     row.sample = first + static_cast<std::int64_t>(i);
     source(i, row.linkage);
-    row.frame = frame_of(motion.path);
+    const std::span<const PlanePoint> path = motion.path.first(set.times.size());
+    row.frame = frame_of(path);
     row.error = motion.error;
-    row.curve.resize(motion.path.size());
-    normalize(motion.path, row.frame, row.curve);
+    row.curve.resize(path.size());
+    normalize(path, row.frame, row.curve);
     if (!set.target.empty()) row.distance = shape_distance(row.curve, set.target);
   };
-  report = Fleet(rows.size(), source).run(set.times, sink, how);
+  report = Fleet(rows.size(), source).run(turn, sink, how);
   if (report.interrupted) return {};
   std::erase_if(rows, [](const sweep::LinkageRow& row) { return row.curve.empty(); });
   return rows;
