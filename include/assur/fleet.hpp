@@ -71,7 +71,8 @@ struct Linkage {
 struct LinkageMotion {
   // ok; inaccurate (the motion is complete, but its estimated error exceeds the accuracy asked for); limit_reached (a
   // dyad cannot be closed beyond `reached`); branch_unknown (both postures of a dyad come so close that the
-  // continuation is unknown); singular or not_converged (a dyad is stretched or cannot be closed at the first time).
+  // continuation is unknown, as in a flat parallelogram, which a Simulator passes); singular or not_converged (a dyad
+  // is stretched or cannot be closed at the first time).
   Status status;
   double reached = 0;       // last time at which all dyads are known to be closed, s; NaN if none is
   double not_beyond = 0;    // if the motion ended: a time after `reached` at which it cannot be continued, s; else NaN
@@ -106,8 +107,8 @@ struct FleetReport {
 // Summaries of the paths of a fleet.
 struct FleetSummary {
   struct Member {
-    Status status;
-    double reached = 0;
+    Status status;       // as LinkageMotion; interrupted if the run ended before
+    double reached = 0;  // as LinkageMotion
     ColumnSummary x, y;  // of the traced joint
   };
   std::vector<Member> members;

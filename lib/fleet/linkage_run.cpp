@@ -16,6 +16,8 @@ constexpr double kTimeTolerance = 1e-10;  // of a limit, relative to the interva
 // Next to a limit, doubtful intervals shorter than this part of the interval with the limit are not divided: rounding
 // looks like doubt there.
 constexpr double kCloseToLimit = 1e-4;
+// A squared distance that would pass its limit by no more than this part of it touches the limit: two motions cross.
+constexpr double kTouches = 1e-12;
 constexpr double kStretched = 1e-12;  // relative distance from a limit that counts as stretched or folded
 
 // The zero in [0, 1] of the cubic with these values and slopes at 0 and 1; values have different signs.
@@ -147,7 +149,12 @@ void LinkageRun::follow_to_limit(std::size_t level, unsigned i) {
     from = inner.times[closed - 1];
     set_before(inner, inner, static_cast<int>(closed) - 1);
   }
-  end(Code::limit_reached, from, to, joint);
+  // With a constant second derivative, the squared distance would turn around after this excess. False for NaN.
+  const double rate = at(inner, JointBlock::kBefore).rate;
+  const double curvature = std::abs(at(outer, kTimes + i).rate - at(outer, JointBlock::kBefore + i).rate) / whole;
+  const double excess = rate * rate / (2 * curvature);
+  const bool touches = excess <= kTouches * linkage_->joints()[static_cast<std::size_t>(joint)].most;
+  end(touches ? Code::branch_unknown : Code::limit_reached, from, to, joint);
 }
 
 void LinkageRun::cannot_begin(const Block& block) {
