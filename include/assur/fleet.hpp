@@ -27,8 +27,10 @@ struct LinkageJoint {
     // At distance value[0] from `first`; at time t, the direction from `first` has the angle value[1] + value[2] t from
     // the x axis.
     crank,
-    dyad,   // at distances value[0] from `first` and value[1] from `second`, on the side `left`
-    point,  // on a link that holds both parents: first + value[0] (second - first) + value[1] * that turned by +90°
+    dyad,  // at distances value[0] from `first` and value[1] from `second`, on the side `left`
+    // On a link that holds both parents: first + value[0] (second - first) + value[1] * that turned by +90°. Not
+    // checked: if the distance of the parents changes, the link is stretched.
+    point,
   };
   Kind kind = Kind::ground;
   bool left = true;                     // of a dyad: on the left of the line from `first` to `second`
@@ -57,22 +59,24 @@ struct Linkage {
 
   // A linkage from its posture at time 0, as data sets of linkages give it. parents: of each joint, {-1, -1} for a
   // ground, {i, -1} for a crank about joint i, {i, j} for a dyad. positions: of each joint, m. speed: of all cranks,
-  // rad/s. Throws Error (input) if the numbers of parents and positions differ, or a parent is not before its child.
+  // rad/s. Throws Error (input) if the numbers of parents and positions differ, or a parent is not before its child;
+  // Fleet refuses the rest.
   [[nodiscard]] static Linkage at_posture(std::span<const std::array<int, 2>> parents,
                                           std::span<const PlanePoint> positions, double speed);
 };
 
 // The same linkage as a scene, with points named J0, J1, ... in their posture at time.start, whose positions
-// are its outputs. In the library assur::assur. Throws Error: input as Fleet, numerical if a dyad cannot be closed
-// there.
+// are its outputs. In the library assur::assur. Throws Error: input as Fleet and for a grid without a step,
+// numerical if a dyad cannot be closed there. A Simulator may go on where a Fleet ends, through points where two
+// motions cross. A point very close to the line of its parents makes the scene singular.
 [[nodiscard]] Scene scene_of(const Linkage& linkage, const TimeGrid& time, std::string name = "linkage");
 
 // The motion of one linkage of a fleet.
 struct LinkageMotion {
-  // ok; inaccurate (the motion is complete, but its estimated error exceeds the accuracy asked for); limit_reached (a
-  // dyad cannot be closed beyond `reached`); branch_unknown (both postures of a dyad come so close that the
-  // continuation is unknown, as in a flat parallelogram, which a Simulator passes); singular or not_converged (a dyad
-  // is stretched or cannot be closed at the first time).
+  // ok; inaccurate (the motion is complete, but its estimated error or its residual exceeds the accuracy asked for);
+  // limit_reached (a dyad, also one that the traced joint does not need, cannot be closed beyond `reached`);
+  // branch_unknown (both postures of a dyad come so close that the continuation is unknown, as in a flat parallelogram,
+  // which a Simulator passes); singular or not_converged (a dyad is stretched or cannot be closed at the first time).
   Status status;
   double reached = 0;       // last time at which all dyads are known to be closed, s; NaN if none is
   double not_beyond = 0;    // if the motion ended: a time after `reached` at which it cannot be continued, s; else NaN
@@ -87,7 +91,7 @@ struct LinkageMotion {
 // How a fleet runs.
 struct FleetOptions {
   int threads = 1;               // including the calling one
-  double accuracy = 1e-6;        // estimated errors above it make a motion `inaccurate`
+  double accuracy = 1e-6;        // estimated errors and residuals above it make a motion `inaccurate`
   std::function<bool()> stop{};  // called by all threads; true ends the run. Empty: not called
 };
 
@@ -136,9 +140,9 @@ class Fleet {
 
   [[nodiscard]] std::size_t size() const { return size_; }
 
-  // Moves linkages `first` up to, without, `last`. times: ascending, s; at least one. Throws Error (input) for other
-  // times, a wrong range, options that are not positive, or a linkage of the source that is not valid. Exceptions of
-  // source and sink propagate.
+  // Moves linkages `first` up to, without, `last`. times: not descending, s; at least one. Throws Error (input) for
+  // other times, a wrong range, options that are not positive, or a linkage of the source that is not valid. Exceptions
+  // of source and sink propagate.
   FleetReport run(std::span<const double> times, const Sink& sink, const FleetOptions& options, std::size_t first,
                   std::size_t last) const;
   // Moves all linkages.

@@ -51,6 +51,7 @@ bool finite(Curve curve) {
 
 double timed_distance(Curve a, Curve b) {
   check_numbers(a, b);
+  if (!finite(a) || !finite(b)) return kNan;
   double sum = 0;
   for (std::size_t i = 0; i < a.size(); ++i) sum += std::norm(number(a[i]) - number(b[i]));
   return std::sqrt(sum / static_cast<double>(a.size()));
@@ -64,7 +65,7 @@ double nearest_distance(Curve a, Curve b) {
 // In complex numbers: b - mean(b) = factor * (a - mean(a)), in the sense of least squares.
 double fitted_distance(Curve a, Curve b) {
   check_numbers(a, b);
-  if (a.empty()) return kNan;
+  if (a.empty() || !finite(a) || !finite(b)) return kNan;
   const Complex of_a = mean_of(a), of_b = mean_of(b);
   Complex product = 0;
   double square = 0;
@@ -78,12 +79,17 @@ double fitted_distance(Curve a, Curve b) {
   return std::sqrt(sum / static_cast<double>(a.size()));
 }
 
+// Relative to the first point, so that equal points have the radius 0.
 CurveFrame frame_of(Curve curve) {
-  const Complex center = mean_of(curve);
+  if (curve.empty()) return {{kNan, kNan}, kNan, kNan};
+  const Complex first = number(curve[0]);
+  Complex sum = 0;
+  for (const PlanePoint& p : curve) sum += number(p) - first;
+  const Complex mean = sum / static_cast<double>(curve.size()), center = first + mean;
   double square = 0;
   Complex twice = 0;  // its angle is twice that of the longest direction
   for (const PlanePoint& p : curve) {
-    const Complex z = number(p) - center;
+    const Complex z = number(p) - first - mean;
     square += std::norm(z);
     twice += z * z;
   }

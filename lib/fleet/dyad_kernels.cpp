@@ -156,7 +156,7 @@ unsigned doubtful(std::span<const PreparedJoint> joints, const double* steps, co
     const L begin = step * L::load(rate + JointBlock::kBefore), end = step * L::load(rate + kTimes);
     const L bend = (abs(begin - change) + abs(end - change)) * third;
     const L p = from + begin * third, q = to - end * third;
-    const L least = L::set(joint.least) + bend, most = L::set(joint.most) - bend;
+    const L least = L::set(joint.low) + bend, most = L::set(joint.high) - bend;
     const L::Mask clear = less(least, p) & less(least, q) & less(p, most) & less(q, most);
     if (HWY_UNLIKELY(!clear.all())) divide |= ~clear.bits();
   }

@@ -18,6 +18,7 @@ struct PreparedJoint {
   std::uint16_t first = 0, second = 0;
   double a = 0, b = 0, c = 0;  // LinkageJoint::value
   double difference = 0;       // dyad: (a - b) (a + b)
+  double low = 0, high = 0;    // dyad: closer to its limits, postures cannot be told from stretched or folded ones
   double least = 0, most = 0;  // dyad: limits of the squared distance of its parents
   double per_square[2] = {};   // dyad: 1 / a^2, 1 / b^2
   double side = 0;             // dyad: 1 left, -1 right

@@ -109,6 +109,7 @@ FleetSummary Fleet::summarize(std::span<const double> times, const FleetOptions&
   for (FleetSummary::Member& member : out.members) {
     member.status.code = Code::interrupted;
     member.reached = kNan;
+    member.x = member.y = {kNan, kNan, kNan, kNan, kNan, kNan};
   }
   static constexpr std::array<std::size_t, 2> kColumns = {0, 1};
   const auto sink = [&](std::size_t i, const LinkageMotion& motion) {

@@ -49,6 +49,8 @@ PreparedJoint prepared(const LinkageJoint& joint, std::size_t own) {
   out.difference = (out.a - out.b) * (out.a + out.b);
   out.least = (out.a - out.b) * (out.a - out.b);
   out.most = (out.a + out.b) * (out.a + out.b);
+  out.low = out.least + kTouches * out.most;
+  out.high = out.most - kTouches * out.most;
   out.per_square[0] = 1 / (out.a * out.a);
   out.per_square[1] = 1 / (out.b * out.b);
   out.side = joint.left ? 1 : -1;
@@ -104,7 +106,8 @@ Linkage Linkage::at_posture(std::span<const std::array<int, 2>> parents, std::sp
       out.joints.push_back(LinkageJoint::ground(x, y));
       continue;
     }
-    if (first < 0 || std::cmp_greater_equal(first, j) || std::cmp_greater_equal(second, j)) {
+    if (first < 0) refuse(j, "has a second parent but no first one; the parent of a crank comes first: {0, -1}");
+    if (std::cmp_greater_equal(first, j) || std::cmp_greater_equal(second, j)) {
       refuse(j, "must come after its parents; sort the joints");
     }
     const PlanePoint& a = positions[static_cast<std::size_t>(first)];

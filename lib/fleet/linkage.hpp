@@ -9,6 +9,10 @@
 
 namespace assur {
 
+// A squared distance that comes to its limit within this part of it, inside or outside, touches the limit: two motions
+// cross.
+inline constexpr double kTouches = 1e-12;
+
 // A linkage without its traced joint; memory is kept from one linkage to the next.
 class PreparedLinkage {
  public:

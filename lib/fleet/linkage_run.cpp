@@ -16,8 +16,6 @@ constexpr double kTimeTolerance = 1e-10;  // of a limit, relative to the interva
 // Next to a limit, doubtful intervals shorter than this part of the interval with the limit are not divided: rounding
 // looks like doubt there.
 constexpr double kCloseToLimit = 1e-4;
-// A squared distance that would pass its limit by no more than this part of it touches the limit: two motions cross.
-constexpr double kTouches = 1e-12;
 constexpr double kStretched = 1e-12;  // relative distance from a limit that counts as stretched or folded
 
 // The zero in [0, 1] of the cubic with these values and slopes at 0 and 1; values have different signs.
@@ -179,7 +177,9 @@ void LinkageRun::take(const Block& block, std::size_t rows) {
 void LinkageRun::judge(double accuracy) {
   motion_.path = path_;
   motion_.error = path_.empty() ? kNan : error_ / std::max(largest_, linkage_->mean_length());
-  if (motion_.status.ok() && !(motion_.error <= accuracy)) motion_.status = {Code::inaccurate, {}, motion_.error};
+  // Far from the origin, lengths lose digits that positions have.
+  const double worst = std::max(motion_.residual, motion_.error);
+  if (motion_.status.ok() && !(worst <= accuracy)) motion_.status = {Code::inaccurate, {}, worst};
 }
 
 const LinkageMotion& LinkageRun::run(const PreparedLinkage& linkage, std::span<const double> times,

@@ -18,8 +18,9 @@ Scene scene_of(const Linkage& linkage, const TimeGrid& time, std::string name) {
   std::vector<JointBlock, LineAllocator<JointBlock>> at(prepared.joints().size());
   const BlockFigures figures = dyad_kernels().evaluate(prepared.joints(), times, at.data());
   if (figures.closed < kTimes) {
-    throw Error(Error::Kind::numerical, name + ": joint " + std::to_string(figures.joint) +
-                                            " (counted from 0) is a dyad that cannot be closed at the first time");
+    throw Error(Error::Kind::numerical,
+                name + ": joint " + std::to_string(figures.joint) +
+                    " (counted from 0) is a dyad that is stretched, folded or cannot be closed at the first time");
   }
   SceneBuilder builder(std::move(name), 2);
   const auto joint_name = [](std::size_t j) { return "J" + std::to_string(j); };

@@ -143,6 +143,8 @@ TEST(SweepLinkages, RefusesWrongOptions) {
     EXPECT_NE(outcome.err.find(what), std::string::npos) << what << "\n" << outcome.err;
   };
   const std::string scene = "linkages";
+  expect({scene, "--samples", "9", "--out", out, "--set", "a=1"}, "--set: random linkages have no parameters");
+  expect({scene, "--samples", "9", "--out", out, "--reduce", "min"}, "--reduce: linkages have no figures");
   expect({scene, "--samples", "9", "--out", scratch.file("a.csv")}, "--out: linkages are written as HDF5");
   expect({scene, "--samples", "9", "--out", out, "--vary", "a=1:2"}, "--vary: random linkages have no parameters");
   expect({scene, "--samples", "9", "--out", out, "--sampler", "sobol"}, "--sampler: linkages are random");

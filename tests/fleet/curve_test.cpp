@@ -87,6 +87,9 @@ TEST(Curve, NormalPlaces) {
   Curve point(3, {2, 2});
   normalize(point, frame_of(point), point);
   EXPECT_EQ(point[1], (PlanePoint{0, 0}));
+  const Curve inexact(7, {0.1, 0.3});
+  EXPECT_EQ(frame_of(inexact).radius, 0);
+  EXPECT_EQ(shape_distance(inexact, Curve(3, {1, 1})), 0);
 }
 
 TEST(Curve, ShapesDoNotDependOnPlaces) {
@@ -104,6 +107,7 @@ TEST(Curve, NoFigureWithoutPoints) {
   const Curve none, unknown = {{kNan, 0}};
   EXPECT_TRUE(std::isnan(timed_distance(none, none)));
   EXPECT_TRUE(std::isnan(nearest_distance(none, snail())));
+  EXPECT_TRUE(std::isnan(timed_distance(Curve{{kInfinity, 0}}, Curve{{0, 0}})));
   EXPECT_TRUE(std::isnan(nearest_distance(unknown, snail())));
   EXPECT_TRUE(std::isnan(nearest_distance(snail(), unknown)));
   EXPECT_TRUE(std::isnan(fitted_distance(none, none)));

@@ -147,6 +147,30 @@ TEST(Fleet, AChangePointEndsTheMotion) {
   }
 }
 
+// Where coupler - rocker = distance - crank, dyads fold at half a turn; rounding takes some of them past the limit, and
+// keeps others inside. None may bounce.
+TEST(Fleet, AChangePointIsFoundOnBothSidesOfRounding) {
+  const double phase = 0.3;
+  for (int i = 0; i < 400; ++i) {
+    const double rocker = 1.01 + 0.0049 * i;
+    for (const int steps : {1, 100}) {
+      const Kept kept = run(four_bar(1, rocker + 2, rocker, 3, phase), times_of(one_turn(steps)));
+      EXPECT_FALSE(kept.motion.status.arrived()) << rocker << " " << steps;
+      EXPECT_NEAR(kept.motion.reached, (kTurn - phase) / kTurn, 1e-6) << rocker << " " << steps;
+    }
+  }
+}
+
+// Far from the origin, positions have digits that lengths have not.
+TEST(Fleet, AnOpenDyadIsInaccurate) {
+  Linkage far = four_bar(1, 3, 2.5, 3);
+  far.joints[0] = Joint::ground(1e12, 0);
+  far.joints[2] = Joint::ground(1e12 + 3, 0);
+  const Kept kept = run(far, times_of(one_turn(10)));
+  EXPECT_EQ(kept.motion.status.code, Code::inaccurate);
+  EXPECT_GT(kept.motion.residual, 1e-6);
+}
+
 // With few times for each turn, paths are those with many.
 TEST(Fleet, FewTimesGiveTheSameMotion) {
   const std::vector<double> fine = times_of(one_turn(200));
@@ -269,6 +293,7 @@ TEST(Fleet, ErrorsOfTheCallerPropagate) {
   two.stop = [] { return true; };
   const FleetReport report = fleet.run(times, ignore, two);
   EXPECT_TRUE(report.interrupted);
+  EXPECT_TRUE(std::isnan(fleet.summarize(times, two).members[3].x.minimum));
   EXPECT_EQ(report.linkages, 0U);
 }
 

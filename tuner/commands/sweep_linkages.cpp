@@ -96,9 +96,12 @@ sweep::LinkageSet set_of(const SweepOptions& options) {
   return set;
 }
 
-void check(const SweepOptions& options) {
+void check(const Common& common, const SweepOptions& options) {
   if (!options.vary.empty()) refuse("--vary", "random linkages have no parameters to vary");
   if (options.sampler != sweep::Sampler::random) refuse("--sampler", "linkages are random");
+  if (!common.set.empty()) refuse("--set", "random linkages have no parameters");
+  if (options.reduce != SweepOptions().reduce) refuse("--reduce", "linkages have no figures but the distance");
+  if (!options.html.empty() && options.best == 0) refuse("--html", "shows the best samples; say how many: --best K");
   if (!options.outputs.empty()) refuse("--outputs", "of a linkage, the path of the last joint is kept");
   const std::string without_target = "needs a curve to compare paths with: --target FILE";
   if (!options.html.empty() && options.target.empty()) refuse("--html", without_target);
@@ -215,7 +218,7 @@ void print(const Common& common, const SweepOptions& options, const sweep::Linka
 }  // namespace
 
 int sweep_linkages(const Common& common, const SweepOptions& options) {
-  check(options);
+  check(common, options);
   const sweep::LinkageSet set = set_of(options);
   refuse_overwriting(common, {{"--out", options.out}, {"--html", options.html}}, {options.target});
   std::optional<output::Replacement> html;
