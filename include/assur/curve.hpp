@@ -41,8 +41,8 @@ void normalize(std::span<const PlanePoint> curve, const CurveFrame& frame, std::
 // nearest_distance() of both curves in their normal places, where the second one may be turned by half a turn; radii
 // are 1. Does not depend on places, sizes, directions and the order of points; mirror images differ. Center, radius and
 // direction are means over points, so give both curves many points, spread alike along them: four corners of a
-// rectangle are not close to the path that a joint draws along it. The direction of a curve that
-// spreads equally in all directions, e.g. of a circle or a square, is arbitrary, and with it the distance.
+// rectangle are not close to the path that a joint draws along it. The direction of a curve that spreads equally in all
+// directions, e.g. of a circle or a square, is arbitrary, and with it the distance.
 [[nodiscard]] double shape_distance(std::span<const PlanePoint> a, std::span<const PlanePoint> b);
 
 }  // namespace assur

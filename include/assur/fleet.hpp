@@ -76,7 +76,8 @@ struct LinkageMotion {
   // ok; inaccurate (the motion is complete, but its estimated error or its residual exceeds the accuracy asked for);
   // limit_reached (a dyad, also one that the traced joint does not need, cannot be closed beyond `reached`);
   // branch_unknown (both postures of a dyad come so close that the continuation is unknown, as in a flat parallelogram,
-  // which a Simulator passes); singular or not_converged (a dyad is stretched or cannot be closed at the first time).
+  // which a Simulator passes); singular or not_converged (a dyad is stretched or cannot be closed at the first time);
+  // not_finite (a coordinate of the path or its error overflows).
   Status status;
   double reached = 0;       // last time at which all dyads are known to be closed, s; NaN if none is
   double not_beyond = 0;    // if the motion ended: a time after `reached` at which it cannot be continued, s; else NaN
@@ -100,7 +101,7 @@ struct FleetReport {
   std::size_t linkages = 0;    // all that were taken
   std::size_t done = 0;        // motions that are ok or inaccurate
   std::size_t inaccurate = 0;  // of these
-  std::size_t jammed = 0;      // motions that ended before the last time
+  std::size_t jammed = 0;      // motions that ended before the last time, or are not_finite
   std::size_t not_closed = 0;  // linkages that could not be closed at the first time
   std::int64_t dyads = 0;      // dyads that were solved, one for each time
   std::int64_t divided = 0;    // intervals between two times that were divided to follow a branch
@@ -150,7 +151,7 @@ class Fleet {
     return run(times, sink, options, 0, size_);
   }
 
-  // Moves all linkages and keeps summaries of their paths. Indices of joints are not checked.
+  // Moves all linkages and keeps summaries of their paths. Throws as run().
   [[nodiscard]] FleetSummary summarize(std::span<const double> times, const FleetOptions& options = {}) const;
 
  private:

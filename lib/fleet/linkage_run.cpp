@@ -16,7 +16,6 @@ constexpr double kTimeTolerance = 1e-10;  // of a limit, relative to the interva
 // Next to a limit, doubtful intervals shorter than this part of the interval with the limit are not divided: rounding
 // looks like doubt there.
 constexpr double kCloseToLimit = 1e-4;
-constexpr double kStretched = 1e-12;  // relative distance from a limit that counts as stretched or folded
 
 // The zero in [0, 1] of the cubic with these values and slopes at 0 and 1; values have different signs.
 double zero_of_cubic(double from, double from_slope, double to, double to_slope) {
@@ -160,8 +159,7 @@ void LinkageRun::cannot_begin(const Block& block) {
   const PreparedJoint& dyad = linkage_->joints()[joint];
   const double square = block.joints[joint].square[kTimes];
   const double beyond = std::max(dyad.least - square, square - dyad.most);
-  end(beyond <= kStretched * dyad.most ? Code::singular : Code::not_converged, kNan, block.times[0],
-      block.figures.joint);
+  end(beyond <= kTouches * dyad.most ? Code::singular : Code::not_converged, kNan, block.times[0], block.figures.joint);
 }
 
 void LinkageRun::take(const Block& block, std::size_t rows) {
@@ -177,9 +175,14 @@ void LinkageRun::take(const Block& block, std::size_t rows) {
 void LinkageRun::judge(double accuracy) {
   motion_.path = path_;
   motion_.error = path_.empty() ? kNan : error_ / std::max(largest_, linkage_->mean_length());
+  if (!motion_.status.ok()) return;
+  if (!std::isfinite(motion_.error)) {
+    motion_.status = {Code::not_finite, {}, 0};
+    return;
+  }
   // Far from the origin, lengths lose digits that positions have.
   const double worst = std::max(motion_.residual, motion_.error);
-  if (motion_.status.ok() && !(worst <= accuracy)) motion_.status = {Code::inaccurate, {}, worst};
+  if (worst > accuracy) motion_.status = {Code::inaccurate, {}, worst};
 }
 
 const LinkageMotion& LinkageRun::run(const PreparedLinkage& linkage, std::span<const double> times,

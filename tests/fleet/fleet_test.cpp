@@ -171,6 +171,15 @@ TEST(Fleet, AnOpenDyadIsInaccurate) {
   EXPECT_GT(kept.motion.residual, 1e-6);
 }
 
+// The angle of the crank overflows.
+TEST(Fleet, APathWithoutNumbersHasNoCleanStatus) {
+  const Linkage linkage = {{Joint::ground(0, 0), Joint::crank(0, 1, 0, 1e300)}};
+  const Kept kept = run(linkage, std::vector<double>{1e10});
+  EXPECT_EQ(name(kept.motion.status.code), "not_finite");
+  const FleetReport report = Fleet({linkage}).run(std::vector<double>{1e10}, [](auto, const auto&) {});
+  EXPECT_EQ(report.done, 0U);
+}
+
 // With few times for each turn, paths are those with many.
 TEST(Fleet, FewTimesGiveTheSameMotion) {
   const std::vector<double> fine = times_of(one_turn(200));

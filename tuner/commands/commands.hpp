@@ -145,6 +145,9 @@ struct ReportOptions {
 // the machine.
 void check_threads(const Common& common);
 
+// Throws Error (input) about an option.
+[[noreturn]] void refuse(const std::string& option, const std::string& what);
+
 // Throws Error (input) if an output (option, file) is also an input, a tuning database, or another output. "" and "-"
 // are not files.
 void refuse_overwriting(const Common& common, const std::vector<std::pair<std::string, std::string>>& outputs,

@@ -26,12 +26,14 @@ void refuse_inputs(const std::pair<std::string, std::string>& output, const std:
   if (!is_file(file)) return;
   for (const std::string& input : inputs) {
     if (is_file(input) && same_file(file, input)) {
-      throw Error(Error::Kind::input, {{option, file + " is an input and would be overwritten; name another file"}});
+      refuse(option, file + " is an input and would be overwritten; name another file");
     }
   }
 }
 
 }  // namespace
+
+void refuse(const std::string& option, const std::string& what) { throw Error(Error::Kind::input, {{option, what}}); }
 
 void refuse_overwriting(const Common& common, const std::vector<std::pair<std::string, std::string>>& outputs,
                         const std::vector<std::string>& inputs) {
@@ -46,7 +48,7 @@ void refuse_overwriting(const Common& common, const std::vector<std::pair<std::s
     const auto& [option, file] = outputs[i];
     for (std::size_t k = 0; k < i; ++k) {
       if (is_file(file) && is_file(outputs[k].second) && same_file(file, outputs[k].second)) {
-        throw Error(Error::Kind::input, {{option, outputs[k].first + " also writes " + file + "; name another file"}});
+        refuse(option, outputs[k].first + " also writes " + file + "; name another file");
       }
     }
   }

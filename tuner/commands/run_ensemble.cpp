@@ -25,10 +25,6 @@ namespace {
 using measure::StepTimes;
 using output::Progress;
 
-[[noreturn]] void refuse(const std::string& option, const std::string& what) {
-  throw Error(Error::Kind::input, {{option, what}});
-}
-
 void check(const RunOptions& options, const PrepareOptions& how) {
   if (how.strategy != "auto" && parse_strategy(how.strategy).run.chunks > 1) {
     refuse("--ensemble", "its members use the lanes and threads; remove +chunks= from the strategy");

@@ -35,10 +35,6 @@ using output::Json;
 using output::Progress;
 using sweep::Row;
 
-[[noreturn]] void refuse(const std::string& option, const std::string& what) {
-  throw Error(Error::Kind::input, {{option, what}});
-}
-
 // Counts of all rows, and the best of them.
 struct Tally {
   std::int64_t rows = 0, done = 0, jammed = 0, not_assembled = 0;

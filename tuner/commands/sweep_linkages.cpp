@@ -34,10 +34,6 @@ using output::Progress;
 
 constexpr std::int64_t kBlock = 4096;  // samples that are moved at once
 
-[[noreturn]] void refuse(const std::string& option, const std::string& what) {
-  throw Error(Error::Kind::input, {{option, what}});
-}
-
 int whole(std::string_view text, int least, int most, const std::string& what) {
   int value = 0;
   const auto [end, trouble] = std::from_chars(text.data(), text.data() + text.size(), value);
