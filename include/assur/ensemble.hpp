@@ -16,6 +16,8 @@
 
 namespace assur {
 
+class BoundMembers;  // for use inside the library
+
 // Results of an ensemble in SI units, contiguous [member][time][output]. Rows that a member did not reach are NaN.
 // Members are counted from 0. Indices are not checked. Copies share the values; spans are valid as long as one exists.
 class EnsembleTrajectory {
@@ -115,9 +117,26 @@ class Ensemble {
   // from those of the first cannot take part. Throws Error: input for no members, for limits as in Simulator, and for a
   // deadline among them; environment if a backend of the plan cannot run here.
   Ensemble(std::size_t members, const std::function<Prepared(std::size_t)>& member, StepLimits limits = {});
+  // The members are rows of a table: `scene` with other values of its parameters and numbers, as by
+  // Scene::with_values(). values[i * names.size() + k] is the value of names[k] in the i-th member. No scene is made
+  // for a member: how its numbers follow from the values is recorded once and repeated in the lanes in which members
+  // run, and start postures are assembled there, from the guesses that the values give. Parts of the mechanism that no
+  // output depends on are not assembled. Members whose start posture is not near their guess (a quarter of a typical
+  // length), or whose equations differ from those of the first member, are prepared one by one when they run, and so
+  // are all members of a scene with redundant equations, parts at rest, gears, or functions of the program;
+  // report().fallbacks then gives their number and the reason. All members use the time grid of prepared(). `options`
+  // as in prepare(); otherwise as above. Throws Error (input) also for an unknown or repeated name, and for values that
+  // do not make whole rows. Needs the library assur::assur.
+  Ensemble(const Scene& scene, std::vector<std::string> names, std::vector<double> values,
+           const PrepareOptions& options = {}, StepLimits limits = {});
   Ensemble(Ensemble&&) noexcept;             // the other ensemble may then only be destroyed or assigned to
   Ensemble& operator=(Ensemble&&) noexcept;  // the other ensemble may then only be destroyed or assigned to
   ~Ensemble();
+
+  // Replaces the table of values, and with it the members; their number may change. prepared() stays. This takes no
+  // time, unless a name whose value was the same in all members gets another one. Throws Error (input), and changes
+  // nothing, if the values do not make whole rows, or if the constructor had no table.
+  void bind(std::vector<double> values);
 
   // Runs all members over the time grid of prepared(). The results are bitwise identical for every number of
   // threads; the number of lanes changes their last bits (docs/strategies.md gives the bound). The calling thread calls
@@ -148,6 +167,7 @@ class Ensemble {
   [[nodiscard]] const std::vector<Outcome>& outcomes() const;
 
  private:
+  explicit Ensemble(std::unique_ptr<BoundMembers> members, StepLimits limits);
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

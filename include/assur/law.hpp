@@ -105,6 +105,7 @@ class Law {
   [[nodiscard]] const std::vector<Part>& parts() const { return *parts_; }
 
  private:
+  friend class Recipe;
   explicit Law(std::vector<Part> parts) : parts_(std::make_shared<const std::vector<Part>>(std::move(parts))) {}
   std::shared_ptr<const std::vector<Part>> parts_ = std::make_shared<const std::vector<Part>>();
 };

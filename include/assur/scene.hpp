@@ -404,6 +404,10 @@ struct TimeGrid {
   [[nodiscard]] double time(std::int64_t k) const { return start + static_cast<double>(k) * step; }
 };
 
+// Values of parameters, by name.
+using Parameters = std::map<std::string, double>;
+struct SceneSource;  // for use inside the library
+
 // A mechanism with drivers, measures, outputs and a time grid, checked as a whole. A Scene does not change, and copies
 // share their parts: references that its functions return are valid as long as the scene.
 class Scene {
@@ -450,9 +454,20 @@ class Scene {
   // Simulator::set() takes them ("pose.x"), and its law; it returns the new law. Throws Error (input) if a table does
   // not cover the time grid.
   [[nodiscard]] Scene with_laws(const std::function<Law(const std::string& driver, const Law& before)>& law) const;
+  // The same mechanism with other values of parameters(), or of these numbers as they were written (SI units):
+  //   "P.x", "P.y", "P.z"  a coordinate of a point, of a vector, of a member in the frame of its body, or of the place
+  //                        of a joint P (`at`)
+  //   "C"                  the value of the constraint C: a Distance, Dot, FixedCoordinate, or the ratio of a Gear
+  // Parameters that are not named keep their values; time grid and outputs stay as they are. A scene whose laws were
+  // replaced has no parameters. Throws Error (input) for an unknown name, and like the function that made the scene.
+  [[nodiscard]] Scene with_values(const Parameters& values) const;
+  // Names of the parameters of a scene that was read from a file, or of the options of a sample. Empty for other
+  // scenes.
+  [[nodiscard]] const std::vector<std::string>& parameters() const;
 
  private:
   friend class SceneBuilder;
+  friend struct SceneSource;
   struct Parts {
     std::string name;
     int dimension = 2;
@@ -473,7 +488,11 @@ class Scene {
   // The parts and outputs as written.
   [[nodiscard]] const Parts& written() const { return parts_->written ? *parts_->written : *parts_; }
   friend std::string write_scene(const Scene& scene);
+  // Sets those of the values that are numbers of the parts.
+  static void set_numbers(Parts& parts, const Parameters& values);
 
+  std::shared_ptr<const SceneSource> source_;                             // null: the scene has no parameters
+  bool has_other_outputs_ = false, has_other_time_ = false;               // than the source gives
   std::shared_ptr<const Parts> parts_ = std::make_shared<const Parts>();  // of all copies
   std::vector<std::string> outputs_;
   std::vector<std::string> written_outputs_;
@@ -564,9 +583,8 @@ class SceneBuilder {
   std::vector<Diagnostic> found_;
 };
 
-// Values of parameters, by name, which replace those of a scene (`--set name=value`). A name that the scene does not
-// have is an error.
-using Parameters = std::map<std::string, double>;
+// In all functions that follow, the parameters `set` replace those of the scene (`--set name=value`). A name that the
+// scene does not have is an error.
 
 // Reads a scene file: JSON, a regular file of at most 1 GB. Its tables, CSV files of at most 256 MB, must lie in or
 // below the folder of the scene or one of `more_folders`, after links are followed. Throws Error: environment if the

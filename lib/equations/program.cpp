@@ -295,9 +295,9 @@ void lipschitz(const GroupClass& c, std::span<const double> constants, double* o
     };
     if (e.callback < 0) {
       for (std::int32_t k = e.products_begin; k < e.products_end; ++k) {
-        const auto [a_block, a_moving] = sums(c.products[idx(k)].a);
-        const auto [b_block, b_moving] = sums(c.products[idx(k)].b);
-        sum += std::abs(value(c.products[idx(k)].constant, constants)) * (a_block * b_moving + a_moving * b_block);
+        const GroupClass::Product& p = c.products[idx(k)];
+        const auto a = sums(p.a), b = p.b == p.a ? a : sums(p.b);
+        sum += std::abs(value(p.constant, constants)) * (a.first * b.second + a.second * b.first);
       }
     }
     out[i * stride] = sum;

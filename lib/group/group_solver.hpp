@@ -31,8 +31,8 @@ class GroupSolver {
   [[nodiscard]] bool quadratic() const { return work_.group_class.quadratic; }
 
   // Forgets earlier runs, so that runs repeat bit for bit; the packs must drop their own solvers. The next solve() of
-  // each pack makes a solver: that of the first pack chooses the pivots, the others start from them.
-  void restart() { solver_.restart(); }
+  // each pack makes a solver, see JacobianSolver::restart().
+  void restart(bool alike = true) { solver_.restart(alike); }
 
   // Extra work of the solver that all packs share, and refinements of all packs. Pack::solver counts its own work.
   [[nodiscard]] Effort effort() const { return solver_.effort(); }

@@ -47,8 +47,9 @@ std::unique_ptr<LinearSolver> JacobianSolver::make() const {
   return solver;
 }
 
-void JacobianSolver::restart() {
+void JacobianSolver::restart(bool alike) {
   first_ = nullptr;
+  alike_ = alike;
   refined_ = 0;
   if (!own_solvers_) shared_ = make();
 }
@@ -57,7 +58,8 @@ void JacobianSolver::choose(Pack& pack) {
   solver_ = shared_.get();
   if (!own_solvers_) return;
   if (!pack.solver) {
-    if (first_ != nullptr) pack.solver = first_->clone();
+    const LinearSolver* const like = pack.pivots ? pack.pivots.get() : alike_ ? first_ : nullptr;
+    if (like != nullptr) pack.solver = like->clone();
     if (!pack.solver) pack.solver = make();
     if (first_ == nullptr) first_ = pack.solver.get();
   }

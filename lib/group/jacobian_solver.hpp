@@ -27,9 +27,9 @@ class JacobianSolver {
   // Throws Error (environment) if the backend cannot run here.
   JacobianSolver(const Workspace& work, const Plan::Choice& choice, std::span<const Backend> table);
 
-  // Drops the solvers, so that each pack gets a new one. That of the first pack chooses the pivots, the others start
-  // from them.
-  void restart();
+  // Drops the solvers, so that each pack gets a new one. It starts from the pivots Pack::pivots, else from those of the
+  // first pack, which chooses them. alike = false: each pack chooses its own ones.
+  void restart(bool alike = true);
   // Makes the solver of a pack, or the solver that all packs share, the current one.
   void choose(Pack& pack);
   [[nodiscard]] LinearSolver* at_hand() { return solver_; }  // the current solver; null before choose()
@@ -77,6 +77,7 @@ class JacobianSolver {
   const SolverSettings settings_;
   const Backend& backend_;
   const bool own_solvers_;  // one for each pack
+  bool alike_ = true;       // packs start from the pivots of the first one
   std::unique_ptr<LinearSolver> shared_;
   const LinearSolver* first_ = nullptr;  // own solver of the first pack; the others are its clones
   LinearSolver* solver_ = nullptr;       // the current one

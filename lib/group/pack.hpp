@@ -42,6 +42,7 @@ struct Pack {
   LaneArray swaps;                   // row order of a small step, see SmallLu
   Kept kept;
   std::unique_ptr<LinearSolver> solver;  // own solver; null: the packs of the class share one
+  std::unique_ptr<LinearSolver> pivots;  // own solvers are clones of it; null: of that of the first pack of the class
   bool factored = false;                 // +reuse=run: `solver` holds factors of an earlier posture
 
   // A status about the group in a lane.

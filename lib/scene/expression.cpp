@@ -10,6 +10,7 @@
 #include <unordered_set>
 
 #include "scene/names.hpp"
+#include "scene/tape.hpp"
 
 namespace assur {
 namespace {
@@ -58,6 +59,7 @@ class Expressions::Parsers {
   void set(const std::string& name, double value) {
     values_.DefineConst(name, value);
     known_.insert(name);
+    value_of_.emplace(name, value);
   }
 
   void set_broken(const std::string& name) {
@@ -80,6 +82,7 @@ class Expressions::Parsers {
       if (!std::isfinite(value)) {
         return {0, in_quotes("=" + text) + " is " + shortest(value) + "; a finite number is wanted", false};
       }
+      if (Tape* const tape = Tape::active()) record(*tape, text, value);
       return {value, "", false};
     } catch (const mu::Parser::exception_type& error) {
       return explain(text, error);
@@ -87,6 +90,18 @@ class Expressions::Parsers {
   }
 
  private:
+  // Records the expression if it uses numbers of the tape.
+  void record(Tape& tape, const std::string& text, double value) {
+    Tape::Formula formula{text, names(text), {}};
+    bool depends = false;
+    for (const std::string& name : formula.names) {
+      const Tape::Node node = tape.find(value_of_.at(name));
+      depends = depends || node != Tape::kNone;
+      formula.arguments.push_back(node != Tape::kNone ? node : tape.literal(value_of_.at(name)));
+    }
+    if (depends) tape.record(std::move(formula), value);
+  }
+
   // The first word before a parenthesis that is not a function; "" if there is none.
   std::string unknown_function(const std::string& text) const {
     for (std::size_t open = text.find('('); open != std::string::npos; open = text.find('(', open + 1)) {
@@ -130,6 +145,7 @@ class Expressions::Parsers {
   mu::Parser names_;   // knows no parameters, so every name is unknown
   mu::Parser values_;  // has the parameters as constants
   std::unordered_set<std::string> known_, broken_;
+  std::unordered_map<std::string, double> value_of_;
   std::vector<std::string> announced_;
   int suggestions_left_ = 100;  // each compares all parameters
 };
@@ -141,6 +157,27 @@ Expressions::Result Expressions::evaluate(const std::string& text) {
   const auto [found, is_new] = parsers_->evaluated.try_emplace(text);
   if (is_new) found->second = parsers_->evaluate(text);
   return found->second;
+}
+
+struct Formula::Parser {
+  mu::Parser parser;
+  std::vector<double> values;
+};
+
+Formula::Formula(const std::string& text, const std::vector<std::string>& names) : parser_(std::make_unique<Parser>()) {
+  prepare(parser_->parser);
+  // The optimiser changes the order of operations on variables, so that results would differ in their last bits.
+  parser_->parser.EnableOptimizer(false);
+  parser_->values.resize(names.size());
+  for (std::size_t i = 0; i < names.size(); ++i) parser_->parser.DefineVar(names[i], &parser_->values[i]);
+  parser_->parser.SetExpr(text);
+}
+Formula::Formula(Formula&&) noexcept = default;
+Formula::~Formula() = default;
+
+double Formula::operator()(std::span<const double> values) {
+  std::copy(values.begin(), values.end(), parser_->values.begin());
+  return parser_->parser.Eval();
 }
 
 // A parameter is evaluated after all parameters that it uses. The rest are on a cycle, or depend on one.

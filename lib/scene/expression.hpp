@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -44,6 +45,21 @@ class Expressions {
  private:
   class Parsers;
   std::unique_ptr<Parsers> parsers_;
+};
+
+// An expression that is evaluated many times with other values of its names.
+class Formula {
+ public:
+  // Both must be valid: a text and names that Expressions evaluated.
+  Formula(const std::string& text, const std::vector<std::string>& names);
+  Formula(Formula&&) noexcept;
+  ~Formula();
+  // values: of the names.
+  [[nodiscard]] double operator()(std::span<const double> values);
+
+ private:
+  struct Parser;
+  std::unique_ptr<Parser> parser_;
 };
 
 }  // namespace assur

@@ -5,8 +5,8 @@
 
 #include "index.hpp"
 #include "numbers.hpp"
+#include "scene/recorded.hpp"
 #include "scene/residual_scale.hpp"
-#include "scene/triple.hpp"
 
 namespace assur {
 namespace {
@@ -16,19 +16,19 @@ constexpr double kLocalRounding = 8 * kEps;  // of local coordinates
 // A number with its rounding error. Far from the origin, the sum of a fixed point and an offset on its body loses the
 // last digits of the offset, which a difference with another point nearby needs.
 struct Forms::Exact {
-  double value, rest;
+  Number value, rest;
 
   friend Exact operator+(const Exact& a, const Exact& b) {
-    const double sum = a.value + b.value, of_b = sum - a.value;
+    const Number sum = a.value + b.value, of_b = sum - a.value;
     return rounded(sum, (a.value - (sum - of_b)) + (b.value - of_b) + (a.rest + b.rest));
   }
   friend Exact operator*(const Exact& a, const Exact& b) {
-    const double product = a.value * b.value;
-    return rounded(product, std::fma(a.value, b.value, -product) + (a.value * b.rest + a.rest * b.value));
+    const Number product = a.value * b.value;
+    return rounded(product, fma(a.value, b.value, -product) + (a.value * b.rest + a.rest * b.value));
   }
-  static Exact rounded(double sum, double rest) {
-    const double value = sum + rest;
-    return {value, std::isfinite(value) ? rest - (value - sum) : 0};
+  static Exact rounded(const Number& sum, const Number& rest) {
+    const Number value = sum + rest;
+    return {value, isfinite(value) ? rest - (value - sum) : Number(0)};
   }
 };
 
@@ -75,18 +75,18 @@ System Forms::finish() {
 
 // ---- constants and forms
 
-double Forms::scaled(double value, int power) const { return std::ldexp(value, -s_.length_exponent * power); }
+Number Forms::scaled(const Number& value, int power) const { return ldexp(value, -s_.length_exponent * power); }
 
 Index Forms::internal_constant(const Exact& exact) {
-  s_.constants.push_back(exact.value);
+  s_.constants.push_back(exact.value.value());
   rests_.resize(s_.constants.size());
-  rests_.back() = exact.rest;
+  rests_.back() = exact.rest.value();
   return static_cast<Index>(s_.constants.size()) - 1;
 }
 
 Forms::Exact Forms::exact(Index constant) const { return {s_.constants[idx(constant)], rests_[idx(constant)]}; }
 
-Index Forms::constant(double value, int power) { return internal_constant({scaled(value, power), 0}); }
+Index Forms::constant(const Number& value, int power) { return internal_constant({scaled(value, power), 0}); }
 
 Index Forms::form(const Terms& terms) {
   s_.terms.insert(s_.terms.end(), terms.begin(), terms.end());
@@ -118,8 +118,8 @@ void Forms::append(Terms& terms, Index f, Index factor) {
     } else {
       // A coefficient that is only rounding is zero: two members may be at one place of their body.
       const Exact a = exact(same->constant), b = exact(c), sum = a + b;
-      const bool is_rounding = t.coordinate != kOne &&
-                               std::abs(sum.value) <= kLocalRounding * std::max(std::abs(a.value), std::abs(b.value));
+      const bool is_rounding =
+          t.coordinate != kOne && abs(sum.value) <= kLocalRounding * std::max(abs(a.value), abs(b.value));
       same->constant = internal_constant(is_rounding ? Exact{} : sum);
     }
   }
@@ -142,20 +142,20 @@ Index Forms::add_item(Item item) {
 
 const Item& Forms::item(const std::string& name) const { return s_.items[idx(item_index(name))]; }
 
-Index Forms::add_coordinate(Index item, int component, int power, Role role, double guess, bool moving) {
+Index Forms::add_coordinate(Index item, int component, int power, Role role, const Number& guess, bool moving) {
   s_.coordinates.push_back({item, static_cast<std::int8_t>(component), static_cast<std::int8_t>(power), role, moving});
-  s_.guess.push_back(scaled(guess, power));
+  s_.guess.push_back(scaled(guess, power).value());
   return static_cast<Index>(s_.coordinates.size()) - 1;
 }
 
-void Forms::declare(const std::string& name, const Triple& at, bool fixed, int power) {
+void Forms::declare(const std::string& name, const Numbers& at, bool fixed, int power) {
   Item item;
   item.name = name;
   item.components = static_cast<std::int8_t>(dimension());
   item.dimension = static_cast<std::int8_t>(power);
   const Index id = add_item(item);
   for (int k = 0; k < dimension(); ++k) {
-    const double a = at[static_cast<std::size_t>(k)];
+    const Number& a = at[static_cast<std::size_t>(k)];
     s_.items[idx(id)].form[k] =
         fixed ? constant_form(a, power) : coordinate_form(add_coordinate(id, k, power, Role::unknown, a));
   }
@@ -171,7 +171,7 @@ void Forms::declare_derived(const std::string& name, int power, const Index (&co
   add_item(item);
 }
 
-void Forms::declare_scalar(const std::string& name, int power, double guess) {
+void Forms::declare_scalar(const std::string& name, int power, const Number& guess) {
   Item item;
   item.name = name;
   item.dimension = static_cast<std::int8_t>(power);
@@ -206,17 +206,20 @@ Forms::Components Forms::direction(const Direction& d) {
   return c;
 }
 
-Triple Forms::at(const Item& item) const {
-  Triple r{};
+Numbers Forms::at(const Item& item) const {
+  Numbers r{};
   for (int k = 0; k < item.components; ++k) {
-    r[static_cast<std::size_t>(k)] =
-        std::ldexp(form_value<double>(s_, item.form[k], s_.guess), s_.length_exponent * item.dimension);
+    Number sum = 0;
+    for (const Term& t : s_.form(item.form[k])) {
+      sum += Number(s_.constants[idx(t.constant)]) * Number(s_.guess[idx(t.coordinate)]);
+    }
+    r[idx(k)] = ldexp(sum, s_.length_exponent * item.dimension);
   }
   return r;
 }
 
-Triple Forms::at(const Direction& d) const {
-  return d.is_pair() ? triple::subtract(at(d.second), at(d.first)) : at(d.first);
+Numbers Forms::at(const Direction& d) const {
+  return d.is_pair() ? recorded::subtract(at(d.second), at(d.first)) : at(d.first);
 }
 
 // ---- known coordinates
@@ -267,12 +270,12 @@ void Forms::equation(Index source, const std::vector<Product>& products, const T
 // If all coefficients of a linear equation cancelled, its constant is rounding, too, or a contradiction. As a relative
 // residual, rounding would be as large as any contradiction.
 Terms Forms::without_rounding(Terms linear) {
-  const auto value = [&](const Term& t) { return s_.constants[idx(t.constant)]; };
+  const auto value = [&](const Term& t) { return Number(s_.constants[idx(t.constant)]); };
   for (const Term& t : linear) {
     if (t.coordinate != kOne && value(t) != 0) return linear;
   }
   for (Term& t : linear) {
-    if (t.coordinate == kOne && std::abs(value(t)) <= kConsistent) t.constant = internal_constant({});
+    if (t.coordinate == kOne && abs(value(t)) <= kConsistent) t.constant = internal_constant({});
   }
   return linear;
 }
@@ -292,7 +295,7 @@ void Forms::unit_equation(Index source, const Item& vector) {
   equation(source, products, {{kOne, kMinus}});
 }
 
-void Forms::distance_equation(Index source, const Item& p, const Item& q, double length) {
+void Forms::distance_equation(Index source, const Item& p, const Item& q, const Number& length) {
   std::vector<Product> products;
   add_square(products, p, q, kPlus);
   const Index l = constant_form(length, 1);

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "scene/number.hpp"
 #include "scene/system.hpp"
 
 namespace assur {
@@ -38,9 +39,9 @@ class Forms {
   [[nodiscard]] System finish();
 
   // Constants and forms. Values are in SI units, `power` is their power of length.
-  Index constant(double value, int power = 0);
+  Index constant(const Number& value, int power = 0);
   Index form(const Terms& terms);
-  Index constant_form(double value, int power) { return form({{kOne, constant(value, power)}}); }
+  Index constant_form(const Number& value, int power) { return form({{kOne, constant(value, power)}}); }
   Index combination(std::initializer_list<std::pair<Index, Index>> parts);  // (form, constant)
   Index difference(Index a, Index b) { return combination({{a, kPlus}, {b, kMinus}}); }
   // terms += constant `factor` * form f
@@ -48,11 +49,11 @@ class Forms {
 
   // Items and coordinates. References to items are valid until the next item is added.
   Index add_item(Item item);
-  Index add_coordinate(Index item, int component, int power, Role role, double guess, bool moving = true);
+  Index add_coordinate(Index item, int component, int power, Role role, const Number& guess, bool moving = true);
   Index coordinate_form(Index coordinate) { return form({{coordinate, kPlus}}); }
-  void declare(const std::string& name, const Triple& at, bool fixed, int power);          // a point or vector
+  void declare(const std::string& name, const Numbers& at, bool fixed, int power);         // a point or vector
   void declare_derived(const std::string& name, int power, const Index (&components)[3]);  // a body's member
-  void declare_scalar(const std::string& name, int power, double guess);
+  void declare_scalar(const std::string& name, int power, const Number& guess);
 
   // Both throw std::out_of_range for a name that a valid scene cannot contain.
   [[nodiscard]] const Item& item(const std::string& name) const;
@@ -66,9 +67,9 @@ class Forms {
   [[nodiscard]] int power(const Direction& d) const { return d.is_pair() ? 1 : int{item(d.first).dimension}; }
 
   // Posture as written, SI units.
-  [[nodiscard]] Triple at(const Item& item) const;
-  [[nodiscard]] Triple at(const std::string& name) const { return at(item(name)); }
-  [[nodiscard]] Triple at(const Direction& d) const;
+  [[nodiscard]] Numbers at(const Item& item) const;
+  [[nodiscard]] Numbers at(const std::string& name) const { return at(item(name)); }
+  [[nodiscard]] Numbers at(const Direction& d) const;
 
   // Known and unknown coordinates.
   [[nodiscard]] bool is_fixed(const Item& item) const;   // constant
@@ -81,7 +82,7 @@ class Forms {
   void equation(Index source, const std::vector<Product>& products, const Terms& linear);
   void callback_row(Index source, Index callback, Index row);
   void unit_equation(Index source, const Item& vector);
-  void distance_equation(Index source, const Item& p, const Item& q, double length);
+  void distance_equation(Index source, const Item& p, const Item& q, const Number& length);
   void orthogonal_equation(Index source, const Index* d, const Index* e);
   void cross_equation(Index source, const Index* c, const Index* a, const Index* b);  // c = a x b
   // products += d . e, factor 1; += and -= |p - q|^2
@@ -89,7 +90,7 @@ class Forms {
   void add_square(std::vector<Product>& products, const Item& p, const Item& q, Index factor);
 
  private:
-  [[nodiscard]] double scaled(double value, int power) const;
+  [[nodiscard]] Number scaled(const Number& value, int power) const;
   Terms without_rounding(Terms linear);
   struct Exact;  // a constant in double-double
   [[nodiscard]] Exact exact(Index constant) const;

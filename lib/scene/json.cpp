@@ -3,6 +3,7 @@
 #include "assur/scene.hpp"
 #include "scene/input_file.hpp"
 #include "scene/json_reader.hpp"
+#include "scene/scene_source.hpp"
 
 namespace assur {
 namespace {
@@ -41,8 +42,22 @@ std::vector<Diagnostic> readable(std::vector<Diagnostic> findings) {
 Scene parse(std::string_view text, const std::string& source, const std::string& title, const TableFolders& tables,
             const Parameters& set) {
   try {
-    SceneBuilder builder = JsonReader(parse_json(text), tables, set).read(title);
-    return build(std::move(builder), text);
+    std::vector<std::string> parameters;
+    SceneBuilder builder = [&] {
+      const JsonDocument document = parse_json(text);
+      if (const JsonNode* section = document.root.find("parameters")) {
+        parameters.assign(section->keys().begin(), section->keys().end());
+      }
+      return JsonReader(document, tables, set).read(title);
+    }();
+    Scene scene = build(std::move(builder), text);
+    if (parameters.empty()) return scene;
+    return SceneSource::attach(std::move(scene), {std::move(parameters), [text = std::string(text), source, title,
+                                                                          tables, set](const Parameters& values) {
+                                                    Parameters all = values;
+                                                    all.insert(set.begin(), set.end());
+                                                    return parse(text, source, title, tables, all);
+                                                  }});
   } catch (const Error& error) {
     throw Error(error.kind(), readable(error.diagnostics()), source);
   }

@@ -18,10 +18,10 @@ constexpr double kSpan = 3;         // SI units: the largest of these values
 constexpr double kSameDot = 1e-12;  // relative difference of products that are equal but for rounding
 
 // Local axes of a base with three entries, in ground coordinates in the posture as written.
-std::array<Triple, 3> base_axes(const Forms& forms, const Body& body) {
-  const Triple x = direction_of(forms.at(base_direction(forms, body, 1)));
-  const Triple z = direction_of(triple::cross(x, forms.at(base_direction(forms, body, 2))));
-  return {x, triple::cross(z, x), z};
+std::array<Numbers, 3> base_axes(const Forms& forms, const Body& body) {
+  const Numbers x = direction_of(forms.at(base_direction(forms, body, 1)));
+  const Numbers z = direction_of(recorded::cross(x, forms.at(base_direction(forms, body, 2))));
+  return {x, recorded::cross(z, x), z};
 }
 
 }  // namespace
@@ -36,24 +36,24 @@ BaseShape base_shape(const Forms& forms, const Shared& shared, const Body& b) {
   const auto is_given = [&](std::size_t i, std::size_t j) {
     return shared.lengths.count(pair_key(b.base[i], b.base[j])) != 0;
   };
-  const auto length = [&](std::size_t i, std::size_t j) {
-    if (!is_point(j)) return length_of(forms.at(b.base[j]));
+  const auto length = [&](std::size_t i, std::size_t j) -> Number {
+    if (!is_point(j)) return recorded::length(forms.at(b.base[j]));
     const auto given = shared.lengths.find(pair_key(b.base[i], b.base[j]));
     if (given != shared.lengths.end()) return given->second;
-    return length_of(triple::subtract(forms.at(b.base[j]), forms.at(b.base[i])));
+    return recorded::length(recorded::subtract(forms.at(b.base[j]), forms.at(b.base[i])));
   };
   BaseShape shape{length(0, 1)};
   if (b.base.size() == 2) return shape;
   const bool any_given = is_given(0, 1) || is_given(0, 2) || is_given(1, 2);
   if (!any_given || !is_point(1) || !is_point(2)) {
     const auto [x, y, z] = base_axes(forms, b);
-    const Triple third = forms.at(base_direction(forms, b, 2));
-    const double stretched = is_given(0, 2) ? length(0, 2) / length_of(third) : 1;
-    shape.x = stretched * triple::dot(third, x);
-    shape.y = stretched * triple::dot(third, y);
+    const Numbers third = forms.at(base_direction(forms, b, 2));
+    const Number stretched = is_given(0, 2) ? length(0, 2) / recorded::length(third) : Number(1);
+    shape.x = stretched * recorded::dot(third, x);
+    shape.y = stretched * recorded::dot(third, y);
     return shape;
   }
-  const double p = shape.length, q = length(0, 2), r = length(1, 2);
+  const Number p = shape.length, q = length(0, 2), r = length(1, 2);
   if (!(p < q + r && q < p + r && r < p + q)) {
     throw Error(Error::Kind::input,
                 {{"/bodies/" + b.name + "/base",
@@ -61,7 +61,7 @@ BaseShape base_shape(const Forms& forms, const Shared& shared, const Body& b) {
                   "than the sum of the others"}});
   }
   shape.x = ((p - r) * (p + r) + q * q) / (2 * p);
-  shape.y = std::sqrt((q - shape.x) * (q + shape.x));
+  shape.y = sqrt((q - shape.x) * (q + shape.x));
   return shape;
 }
 
@@ -70,8 +70,8 @@ BaseShape base_shape(const Forms& forms, const Shared& shared, const Body& b) {
 void BodyWriter::declare_members() {
   for (const Body& b : forms_.scene().bodies()) {
     if (b.name == "ground") {
-      for (const Member& m : b.points) forms_.declare(m.name, m.local, true, 1);
-      for (const Member& m : b.vectors) forms_.declare(m.name, m.local, true, 0);
+      for (const Member& m : b.points) forms_.declare(m.name, numbers(m.local), true, 1);
+      for (const Member& m : b.vectors) forms_.declare(m.name, numbers(m.local), true, 0);
     } else if (!b.frame.empty()) {
       declare_in_frame(b);
     } else if (b.base.empty()) {
@@ -118,7 +118,8 @@ void BodyWriter::declare_in_frame(const Body& b) {
         }
       } else {  // the second axis is the first one turned left
         forms_.append(terms, axes[0].form[k], forms_.constant(m.local[0], power));
-        forms_.append(terms, axes[0].form[1 - k], forms_.constant(k == 0 ? -m.local[1] : m.local[1], power));
+        forms_.append(terms, axes[0].form[1 - k],
+                      forms_.constant(k == 0 ? -Number(m.local[1]) : Number(m.local[1]), power));
       }
       f[k] = forms_.form(terms);
     }
@@ -132,9 +133,9 @@ void BodyWriter::declare_in_frame(const Body& b) {
 void BodyWriter::declare_in_plane(const Body& b) {
   const Item first = forms_.item(b.base[0]);
   const Direction side = base_direction(forms_, b, 1);
-  const double length = base_shape(forms_, shared_, b).length;
+  const Number length = base_shape(forms_, shared_, b).length;
   const auto declare = [&](const Member& m, int power) {
-    const double alpha = m.local[0] / length, beta = m.local[1] / length;
+    const Number alpha = m.local[0] / length, beta = m.local[1] / length;
     Index f[3] = {-1, -1, -1};
     for (int k = 0; k < 2; ++k) {
       const Forms::Components along = forms_.direction(side);
@@ -158,7 +159,7 @@ void BodyWriter::declare_in_space(const Body& b) {
   const Direction side = base_direction(forms_, b, 1);
   const Direction other = is_line ? side : base_direction(forms_, b, 2);
   const BaseShape shape = base_shape(forms_, shared_, b);
-  const auto out_of_plane = [](const Member& m) { return m.local[2] != 0; };
+  const auto out_of_plane = [](const Member& m) { return Number(m.local[2]) != 0; };
   const bool with_normal = std::any_of(b.points.begin(), b.points.end(), out_of_plane) ||
                            std::any_of(b.vectors.begin(), b.vectors.end(), out_of_plane);
   const std::string normal = b.name + ".normal";
@@ -168,7 +169,8 @@ void BodyWriter::declare_in_space(const Body& b) {
     area_[b.name] = shape.length * shape.y;
   }
   const auto declare = [&](const Member& m, int power) {
-    const double beta = is_line ? 0 : m.local[1] / shape.y, alpha = (m.local[0] - beta * shape.x) / shape.length;
+    const Number beta = is_line ? Number(0) : m.local[1] / shape.y;
+    const Number alpha = (m.local[0] - beta * shape.x) / shape.length;
     const Forms::Components d = forms_.direction(side), e = forms_.direction(other);
     Index f[3] = {-1, -1, -1};
     for (int k = 0; k < 3; ++k) {
@@ -311,7 +313,7 @@ void BodyWriter::write_base(const Body& b) {
     if (forms_.all_known(a) && forms_.all_known(c) && is_constant(side, side)) return;
     if (!shared_.distances.insert(pair_key(p, q)).second) return;
     forms_.distance_equation(forms_.source("body " + b.name), a, c,
-                             length_of(triple::subtract(forms_.at(p), forms_.at(q))));
+                             recorded::length(recorded::subtract(forms_.at(p), forms_.at(q))));
   };
   if (!posed_by_equations(b)) {
     const auto is_point = [&](std::size_t i) { return forms_.item(b.base[i]).dimension == 1; };
@@ -344,7 +346,7 @@ void BodyWriter::keep_dot(const Body& b) {
 }
 
 // area * normal = d x e with the directions d and e of the base
-void BodyWriter::write_normal(const Body& b, double area) {
+void BodyWriter::write_normal(const Body& b, const Number& area) {
   const Item n = forms_.item(b.name + ".normal");
   const Index from = forms_.source("body " + b.name);
   const Direction side = base_direction(forms_, b, 1), other = base_direction(forms_, b, 2);

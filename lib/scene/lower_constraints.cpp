@@ -5,19 +5,19 @@
 #include <unordered_set>
 
 #include "decimal.hpp"
-#include "scene/names.hpp"
 #include "scene/lowering_parts.hpp"
+#include "scene/names.hpp"
 
 namespace assur {
 namespace {
 
-using triple::dot;
-using triple::subtract;
+using recorded::dot;
+using recorded::subtract;
 
 // lambda of e = lambda d.
-double ratio(const Triple& d, const Triple& e) {
-  const double dd = dot(d, d);
-  return dd > 0 ? dot(d, e) / dd : 0;
+Number ratio(const Numbers& d, const Numbers& e) {
+  const Number dd = dot(d, d);
+  return dd > 0 ? dot(d, e) / dd : Number(0);
 }
 
 }  // namespace
@@ -52,10 +52,10 @@ void ConstraintWriter::declare(const std::string& name, const OnLine& c) {
 }
 
 void ConstraintWriter::declare(const std::string& name, const OnPlane& c) {
-  const Triple d = forms_.at(c.d), e = forms_.at(c.e), r = subtract(forms_.at(c.p), forms_.at(c.a));
-  const double dd = dot(d, d), de = dot(d, e), ee = dot(e, e), det = dd * ee - de * de;
-  const double lambda = det > 0 ? (dot(d, r) * ee - dot(e, r) * de) / det : 0;
-  const double mu = det > 0 ? (dot(e, r) * dd - dot(d, r) * de) / det : 0;
+  const Numbers d = forms_.at(c.d), e = forms_.at(c.e), r = subtract(forms_.at(c.p), forms_.at(c.a));
+  const Number dd = dot(d, d), de = dot(d, e), ee = dot(e, e), det = dd * ee - de * de;
+  const Number lambda = det > 0 ? (dot(d, r) * ee - dot(e, r) * de) / det : Number(0);
+  const Number mu = det > 0 ? (dot(e, r) * dd - dot(d, r) * de) / det : Number(0);
   forms_.declare_scalar(name + ".lambda", 1 - forms_.power(c.d), lambda);
   forms_.declare_scalar(name + ".mu", 1 - forms_.power(c.e), mu);
 }
@@ -89,9 +89,12 @@ void ConstraintWriter::write_equations() {
 }
 
 void ConstraintWriter::write(const std::string& name, const Distance& c) {
-  const double written = length_of(subtract(forms_.at(c.p), forms_.at(c.q)));
-  const double length = c.value ? *c.value : written;
-  if (std::abs(length - written) > kDisagree * length) note_new_shape(name, c, written);
+  const Number written = recorded::length(subtract(forms_.at(c.p), forms_.at(c.q)));
+  const Number length = c.value ? Number(*c.value) : written;
+  // Only a note depends on this comparison.
+  if (std::abs(length.value() - written.value()) > kDisagree * length.value()) {
+    note_new_shape(name, c, written.value());
+  }
   forms_.distance_equation(forms_.source(name), forms_.item(c.p), forms_.item(c.q), length);
 }
 
@@ -123,7 +126,7 @@ void ConstraintWriter::write(const std::string& name, const Dot& c) {
   const Forms::Components d = forms_.direction(c.d), e = forms_.direction(c.e);
   std::vector<Product> products;
   forms_.add_dot(products, d.form, e.form);
-  const double value = c.value ? *c.value : dot(forms_.at(c.d), forms_.at(c.e));
+  const Number value = c.value ? Number(*c.value) : dot(forms_.at(c.d), forms_.at(c.e));
   const Index known = forms_.constant(-value, d.power + e.power);
   forms_.equation(forms_.source(name), products, {{kOne, known}});
 }
@@ -180,7 +183,7 @@ void ConstraintWriter::write(const std::string& name, const Linear& c) {
       forms_.append(linear, forms_.item(c.terms[i].first).form[k], factor[i]);
     }
     // A zero is kept, so that the pattern does not depend on values.
-    forms_.append(linear, forms_.constant_form(-c.value[static_cast<std::size_t>(k)], points), kPlus);
+    forms_.append(linear, forms_.constant_form(-Number(c.value[static_cast<std::size_t>(k)]), points), kPlus);
     forms_.equation(from, {}, linear);
   }
 }
@@ -188,7 +191,7 @@ void ConstraintWriter::write(const std::string& name, const Linear& c) {
 void ConstraintWriter::write(const std::string& name, const FixedCoordinate& c) {
   Terms linear;
   forms_.append(linear, forms_.scalar_form(c.coordinate), kPlus);
-  forms_.append(linear, forms_.constant_form(-c.value, forms_.scalar_dimension(c.coordinate)), kPlus);
+  forms_.append(linear, forms_.constant_form(-Number(c.value), forms_.scalar_dimension(c.coordinate)), kPlus);
   forms_.equation(forms_.source(name), {}, linear);
 }
 

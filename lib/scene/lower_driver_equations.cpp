@@ -48,9 +48,9 @@ void DriverWriter::write(Index from, const Driver& driver, const RelativeAngle& 
   if (forms_.dimension() == 2) {
     products = {{d.form[0], e.form[1], kPlus}, {d.form[1], e.form[0], kMinus}};
   } else if (forms_.is_fixed(forms_.item(r.axis))) {
-    const Triple a = forms_.at(r.axis);
+    const Numbers a = forms_.at(r.axis);
     for (int k = 0; k < 3; ++k) {
-      const double c = a[static_cast<std::size_t>(k)];
+      const Number& c = a[static_cast<std::size_t>(k)];
       products.push_back({d.form[kNext[k]], e.form[kAfter[k]], forms_.constant(c)});
       products.push_back({d.form[kAfter[k]], e.form[kNext[k]], forms_.constant(-c)});
     }
@@ -78,7 +78,7 @@ void DriverWriter::append_own(std::vector<Index>& own, const Direction& d) {
 }
 
 void DriverWriter::note_own(std::vector<Index>& own, const PointAngle& a) {
-  const Triple zero = zero_of(a);
+  const Numbers zero = zero_of(a);
   for (int k = 0; k < forms_.dimension(); ++k) {
     own.push_back(forms_.constant_form(zero[static_cast<std::size_t>(k)], 0));
   }

@@ -13,14 +13,14 @@ void DriverWriter::declare_auxiliaries() {
     const Driver& d = drivers[i];
     const auto* r = std::get_if<RelativeAngle>(&d.kind);
     if (r == nullptr) continue;
-    const Triple from = forms_.at(r->d), to = forms_.at(r->e);
+    const Numbers from = forms_.at(r->d), to = forms_.at(r->e);
     const int power = forms_.power(r->d) + forms_.power(r->e);
-    forms_.declare_scalar(d.name + ".rho", power, length_of(from) * length_of(to));
+    forms_.declare_scalar(d.name + ".rho", power, recorded::length(from) * recorded::length(to));
     const Index rho = forms_.system().form(forms_.item(d.name + ".rho").form[0])[0].coordinate;
     forms_.system().positive.push_back({rho, static_cast<Index>(i), static_cast<std::int8_t>(power)});
     if (forms_.dimension() == 3 && !forms_.is_fixed(forms_.item(r->axis))) {
       const std::string across = d.name + ".across";
-      forms_.declare(across, triple::cross(forms_.at(r->axis), from), false, forms_.power(r->d));
+      forms_.declare(across, recorded::cross(forms_.at(r->axis), from), false, forms_.power(r->d));
       shared_.without_norm.insert(across);
     }
   }
@@ -146,28 +146,28 @@ void DriverWriter::assign(Index coordinate, Index form) {
 }
 
 // The direction from A to B at the angle 0.
-Triple DriverWriter::zero_of(const PointAngle& a) const {
+Numbers DriverWriter::zero_of(const PointAngle& a) const {
   if (forms_.dimension() == 2) return {1, 0, 0};
-  const Triple ab = triple::subtract(forms_.at(a.b), forms_.at(a.a)), axis = forms_.at(a.axis);
-  return direction_of(triple::subtract(ab, triple::scale(triple::dot(ab, axis), axis)));
+  const Numbers ab = recorded::subtract(forms_.at(a.b), forms_.at(a.a)), axis = forms_.at(a.axis);
+  return direction_of(recorded::subtract(ab, recorded::scale(recorded::dot(ab, axis), axis)));
 }
 
 // B = A + r (cos, sin) in the plane; A + z n + r (cos e1 + sin e2) about a fixed axis n in space.
 Index DriverWriter::arm_end(const Driver& d, const PointAngle& a, Index n, int k) {
-  const Triple ab = triple::subtract(forms_.at(a.b), forms_.at(a.a));
+  const Numbers ab = recorded::subtract(forms_.at(a.b), forms_.at(a.a));
   const auto given = shared_.radius.find(d.name);
-  const double length = given != shared_.radius.end() ? given->second : length_of(ab);
+  const Number length = given != shared_.radius.end() ? given->second : recorded::length(ab);
   Terms terms;
   forms_.append(terms, forms_.item(a.a).form[k], kPlus);
   if (forms_.dimension() == 2) {
     forms_.append(terms, input_form(n, k), forms_.constant(length, 1));
     return forms_.form(terms);
   }
-  const Triple axis = forms_.at(a.axis);
-  const double z = triple::dot(ab, axis);
-  const Triple e1 = zero_of(a), e2 = triple::cross(axis, e1);
-  const double r = std::sqrt(length * length - z * z);
-  const auto at_k = [&](const Triple& v) { return v[static_cast<std::size_t>(k)]; };
+  const Numbers axis = forms_.at(a.axis);
+  const Number z = recorded::dot(ab, axis);
+  const Numbers e1 = zero_of(a), e2 = recorded::cross(axis, e1);
+  const Number r = sqrt(length * length - z * z);
+  const auto at_k = [&](const Numbers& v) { return v[static_cast<std::size_t>(k)]; };
   forms_.append(terms, forms_.constant_form(z * at_k(axis), 1), kPlus);
   forms_.append(terms, input_form(n, 0), forms_.constant(r * at_k(e1), 1));
   forms_.append(terms, input_form(n, 1), forms_.constant(r * at_k(e2), 1));
@@ -175,7 +175,7 @@ Index DriverWriter::arm_end(const Driver& d, const PointAngle& a, Index n, int k
 }
 
 std::vector<DriverWriter::PoseTarget> DriverWriter::pose_targets(const Body& b, Index n) {
-  using Local = std::initializer_list<std::pair<Index, double>>;  // (axis, local coordinate), zeros left out
+  using Local = std::initializer_list<std::pair<Index, Number>>;  // (axis, local coordinate), zeros left out
   const Index dim = forms_.dimension();
   std::vector<PoseTarget> out;
   const auto add = [&](const std::string& name, bool point, Local local) {

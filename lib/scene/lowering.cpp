@@ -14,7 +14,6 @@
 namespace assur {
 namespace {
 
-
 // Median binary exponent of the lengths in the scene. Typical lengths become about 1, and scaling all lengths by 2^k
 // moves the median by exactly k.
 int length_exponent(const Scene& scene) {
@@ -25,11 +24,11 @@ int length_exponent(const Scene& scene) {
   std::unordered_map<std::string_view, const Triple*> at;
   for (const Point& p : scene.points()) at.emplace(p.name, &p.at);
   for (const Body& b : scene.bodies()) {
-    for (const Member& m : b.points) see(length_of(m.local));
+    for (const Member& m : b.points) see(recorded::length(m.local).value());
   }
   const auto see_pair = [&](const std::string& a, const std::string& b) {
     const auto i = at.find(a), j = at.find(b);
-    if (i != at.end() && j != at.end()) see(length_of(triple::subtract(*i->second, *j->second)));
+    if (i != at.end() && j != at.end()) see(recorded::length(recorded::subtract(*i->second, *j->second)).value());
   };
   for (const Constraint& c : scene.constraints()) {
     if (const auto* d = c.as<Distance>()) {
@@ -46,7 +45,7 @@ int length_exponent(const Scene& scene) {
     if (const auto* a = std::get_if<DrivenDistance>(&d.kind)) see_pair(a->a, a->b);
   }
   if (exponents.empty()) {
-    for (const Point& p : scene.points()) see(length_of(p.at));
+    for (const Point& p : scene.points()) see(recorded::length(p.at).value());
   }
   if (exponents.empty()) return 0;
   const auto middle = exponents.begin() + static_cast<std::ptrdiff_t>(exponents.size() / 2);
@@ -55,9 +54,9 @@ int length_exponent(const Scene& scene) {
 }
 
 void declare_points_and_vectors(Forms& forms, Shared& shared) {
-  for (const Point& p : forms.scene().points()) forms.declare(p.name, p.at, p.fixed, 1);
+  for (const Point& p : forms.scene().points()) forms.declare(p.name, numbers(p.at), p.fixed, 1);
   for (const Vector& v : forms.scene().vectors()) {
-    forms.declare(v.name, v.at, v.fixed, 0);
+    forms.declare(v.name, numbers(v.at), v.fixed, 0);
     if (v.fixed || !v.unit) shared.without_norm.insert(v.name);
   }
 }

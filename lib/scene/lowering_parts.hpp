@@ -14,26 +14,24 @@
 #include <vector>
 
 #include "scene/forms.hpp"
-#include "scene/triple.hpp"
+#include "scene/recorded.hpp"
 
 namespace assur {
 
 using Pair = std::pair<std::string, std::string>;
 inline Pair pair_key(const std::string& a, const std::string& b) { return std::minmax(a, b); }
 
-// Fewer roundings than triple::norm, which guards against overflow.
 inline constexpr double kDisagree = 1e-3;  // relative difference; guesses are written with three digits or more
 
-inline double length_of(const Triple& a) { return std::sqrt(triple::dot(a, a)); }
-inline Triple direction_of(const Triple& a) { return triple::scale(1 / length_of(a), a); }
+inline Numbers direction_of(const Numbers& a) { return recorded::scale(1 / recorded::length(a), a); }
 
 // Data that the parts share.
 struct Shared {
   std::unordered_set<std::string> without_norm;    // vectors whose |v| = 1 is not an equation of its own
   std::unordered_set<Index> in_groups;             // coordinates that belong to declared groups
   std::unordered_set<std::string> absorbed;        // distance constraints that become radii of angle drivers
-  std::unordered_map<std::string, double> radius;  // angle drivers: value of the absorbed distance
-  std::map<Pair, double> lengths;                  // pairs of points of bases: distance constraints with a value
+  std::unordered_map<std::string, Number> radius;  // angle drivers: value of the absorbed distance
+  std::map<Pair, Number> lengths;                  // pairs of points of bases: distance constraints with a value
   std::set<Pair> distances;                        // pairs of points of bases whose distance is constrained already
   std::vector<bool> fixes;                         // drivers that fix coordinates, so that no equation is left
 };
@@ -44,7 +42,7 @@ struct Shared {
 // Local coordinates of the directions of a base: (length, 0) and in space (x, y). Lengths are those of distance
 // constraints with a value, else of the posture as written. Throws Error (input) if three lengths make no triangle.
 struct BaseShape {
-  double length, x = 0, y = 0;
+  Number length, x = 0, y = 0;
 };
 [[nodiscard]] BaseShape base_shape(const Forms& forms, const Shared& shared, const Body& body);
 
@@ -73,11 +71,11 @@ class BodyWriter {
   void note_written(const Body& body, Index index);
   void write_base(const Body& body);
   void keep_dot(const Body& body);
-  void write_normal(const Body& body, double area);
+  void write_normal(const Body& body, const Number& area);
 
   Forms& forms_;
   Shared& shared_;
-  std::unordered_map<std::string, double> area_;                    // bodies with a normal
+  std::unordered_map<std::string, Number> area_;                    // bodies with a normal
   std::unordered_set<std::string> posed_;                           // bodies posed by equations
   std::map<std::string, std::vector<Index>, std::less<>> written_;  // bodies whose base or members have this name
   std::vector<std::vector<double>> elsewhere_;                      // known coordinates at other values of the drivers
@@ -168,7 +166,7 @@ class DriverWriter {
   bool fix(const Driver& driver, const Pose& p, Index index);
   [[nodiscard]] bool can_be_fixed(const Item& item) const;
   void assign(Index coordinate, Index form);
-  [[nodiscard]] Triple zero_of(const PointAngle& angle) const;
+  [[nodiscard]] Numbers zero_of(const PointAngle& angle) const;
   Index arm_end(const Driver& driver, const PointAngle& angle, Index index, int k);
   std::vector<PoseTarget> pose_targets(const Body& body, Index index);
   [[nodiscard]] const Body& body(const std::string& name) const;

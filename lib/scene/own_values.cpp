@@ -8,7 +8,7 @@
 #include "numbers.hpp"
 #include "scene/drive.hpp"
 #include "scene/names.hpp"
-#include "scene/triple.hpp"
+#include "scene/recorded.hpp"
 
 namespace assur {
 namespace {
@@ -19,65 +19,74 @@ using Kind = DriverInput::Kind;
 constexpr double kNoLever = 1e-6;
 constexpr double kNoLength = 1e-12;  // length relative to the coordinates whose difference is the direction
 
+Number value_of(const System& s, Index form, std::span<const double> q) {
+  Number sum = 0;
+  for (const Term& t : s.form(form)) sum += Number(s.constants[idx(t.constant)]) * Number(q[idx(t.coordinate)]);
+  return sum;
+}
+
+Number size_of(const System& s, Index form, std::span<const double> q) {
+  Number sum = 0;
+  for (const Term& t : s.form(form)) sum += abs(Number(s.constants[idx(t.constant)]) * Number(q[idx(t.coordinate)]));
+  return sum;
+}
+
 struct Direction {
-  Triple at{};
-  double size = 0;  // of its terms
+  Numbers at{};
+  Number size = 0;  // of its terms
 };
 
 Direction direction(const System& s, const DriverInput& in, std::size_t first, std::span<const double> q) {
   Direction out;
   for (std::size_t k = 0; k < idx(s.dimension); ++k) {
     const Index f = in.own[first + k];
-    out.at[k] = form_value<double>(s, f, q);
-    double size = 0;
-    for (const Term& t : s.form(f)) size += std::abs(s.constants[idx(t.constant)] * q[idx(t.coordinate)]);
-    out.size = std::max(out.size, size);
+    out.at[k] = value_of(s, f, q);
+    out.size = std::max(out.size, size_of(s, f, q));
   }
   return out;
 }
 
 struct Arms {
   Direction d, e;
-  Triple axis;
-  double cosine, sine;  // times |d||e|
+  Numbers axis;
+  Number cosine, sine;  // times |d||e|
 
-  [[nodiscard]] double lever() const { return std::hypot(cosine, sine); }
+  [[nodiscard]] Number lever() const { return hypot(cosine, sine, 0); }
 };
 
 Arms arms(const System& s, const DriverInput& in, std::span<const double> q) {
   const std::size_t dim = idx(s.dimension);
   Arms a{direction(s, in, 0, q), direction(s, in, dim, q), {0, 0, 1}, 0, 0};
   if (dim == 3) a.axis = direction(s, in, 2 * dim, q).at;
-  a.cosine = triple::dot(a.d.at, a.e.at);
-  a.sine = triple::dot(a.axis, triple::cross(a.d.at, a.e.at));
+  a.cosine = recorded::dot(a.d.at, a.e.at);
+  a.sine = recorded::dot(a.axis, recorded::cross(a.d.at, a.e.at));
   return a;
 }
 
-double scalar(const System& s, const DriverInput& in, std::span<const double> q, double& size) {
+Number scalar(const System& s, const DriverInput& in, std::span<const double> q, Number& size) {
   if (in.own.size() > 1) {
     const Direction d = direction(s, in, 0, q);
     size = d.size;
-    return triple::norm(d.at);
+    return recorded::norm(d.at);
   }
-  size = 0;
-  for (const Term& t : s.form(in.own[0])) size += std::abs(s.constants[idx(t.constant)] * q[idx(t.coordinate)]);
-  return form_value<double>(s, in.own[0], q);
+  size = size_of(s, in.own[0], q);
+  return value_of(s, in.own[0], q);
 }
 
 // Columns of the body's frame, with their uncertainty.
 struct Axes {
-  Triple column[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-  double slack = 1;  // times the relative slack
+  Numbers column[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  Number slack = 1;  // times the relative slack
 };
 
 Axes own_axes(const System& s, const DriverInput& in, std::span<const double> q) {
   const std::size_t dim = idx(s.dimension), count = in.own.size() / dim - 1;
   Axes out;
-  Triple a[3];
+  Numbers a[3];
   for (std::size_t j = 0; j < count; ++j) {
     const Direction d = direction(s, in, (j + 1) * dim, q);
-    const double length = triple::norm(d.at);
-    a[j] = triple::scale(1 / length, d.at);
+    const Number length = recorded::norm(d.at);
+    a[j] = recorded::scale(1 / length, d.at);
     out.slack += d.size / length;
   }
   if (dim == 2) {
@@ -86,11 +95,11 @@ Axes own_axes(const System& s, const DriverInput& in, std::span<const double> q)
   } else if (count == 3) {
     std::copy_n(a, 3, out.column);
   } else {  // a base of three points
-    const Triple normal = triple::cross(a[0], a[1]);
-    out.slack /= triple::norm(normal);
+    const Numbers normal = recorded::cross(a[0], a[1]);
+    out.slack = out.slack / recorded::norm(normal);
     out.column[0] = a[0];
-    out.column[2] = triple::scale(1 / triple::norm(normal), normal);
-    out.column[1] = triple::cross(out.column[2], out.column[0]);
+    out.column[2] = recorded::scale(1 / recorded::norm(normal), normal);
+    out.column[1] = recorded::cross(out.column[2], out.column[0]);
   }
   return out;
 }
@@ -109,11 +118,11 @@ Axes wanted_axes(const System& s, const DriverInput& in, std::span<const double>
 
 // psi, theta, phi of Rz(psi) Ry(theta) Rx(phi); in the plane the angle.
 void append_angles(const System& s, const Axes& axes, std::vector<double>& out) {
-  const Triple &a = axes.column[0], &b = axes.column[1], &c = axes.column[2];
-  out.push_back(std::atan2(a[1], a[0]));
+  const Numbers &a = axes.column[0], &b = axes.column[1], &c = axes.column[2];
+  out.push_back(atan2(a[1], a[0]).value());
   if (s.dimension == 2) return;
-  out.push_back(std::atan2(-a[2], std::hypot(a[0], a[1])));
-  out.push_back(std::atan2(b[2], c[2]));
+  out.push_back(atan2(-a[2], hypot(a[0], a[1], 0)).value());
+  out.push_back(atan2(b[2], c[2]).value());
 }
 
 bool turns(const System& s, const DriverInput& in) { return in.kind == Kind::frame && in.count > s.dimension; }
@@ -125,14 +134,14 @@ bool is_angle(const System& s, const DriverInput& in, std::size_t law) {
 }
 
 std::vector<double> own_values(const System& s, const DriverInput& in, std::span<const double> q) {
-  double size = 0;
-  if (in.kind == Kind::scalar) return {scalar(s, in, q, size) * s.unit(in.dimension)};
+  Number size = 0;
+  if (in.kind == Kind::scalar) return {(scalar(s, in, q, size) * s.unit(in.dimension)).value()};
   if (in.kind == Kind::direction) {
     const Arms a = arms(s, in, q);
-    return {std::atan2(a.sine, a.cosine)};
+    return {atan2(a.sine, a.cosine).value()};
   }
   std::vector<double> out;
-  for (Index k = 0; k < s.dimension; ++k) out.push_back(form_value<double>(s, in.own[idx(k)], q) * s.unit(1));
+  for (Index k = 0; k < s.dimension; ++k) out.push_back((value_of(s, in.own[idx(k)], q) * s.unit(1)).value());
   if (turns(s, in)) append_angles(s, own_axes(s, in, q), out);
   return out;
 }
@@ -168,14 +177,14 @@ void drive_by_values(const System& s, const std::vector<std::vector<double>>& va
 std::string why_undefined(const System& s, const DriverInput& in, std::span<const double> q) {
   if (in.kind != Kind::direction) return "";
   const Arms a = arms(s, in, q);
-  const double d = triple::norm(a.d.at), e = triple::norm(a.e.at), axis = triple::norm(a.axis);
+  const Number d = recorded::norm(a.d.at), e = recorded::norm(a.e.at), axis = recorded::norm(a.axis);
   if (!(d > kNoLength * a.d.size)) return "its first direction has no length";
   if (!(e > kNoLength * a.e.size)) return "its second direction has no length";
-  if (!(std::abs(axis - 1) <= kNoLever)) return "its axis is not a unit vector";
+  if (!(abs(axis - 1) <= kNoLever)) return "its axis is not a unit vector";
   if (a.lever() > kNoLever * d * e) return "";
-  if (!(triple::norm(triple::cross(a.axis, a.d.at)) > kNoLever * d))
+  if (!(recorded::norm(recorded::cross(a.axis, a.d.at)) > kNoLever * d))
     return "its axis is parallel to its first direction";
-  if (!(triple::norm(triple::cross(a.axis, a.e.at)) > kNoLever * e))
+  if (!(recorded::norm(recorded::cross(a.axis, a.e.at)) > kNoLever * e))
     return "its axis is parallel to its second direction";
   return "its directions are at right angles to each other, and its axis lies in their plane";
 }
@@ -184,16 +193,16 @@ std::optional<Mismatch> mismatch(const System& s, const DriverInput& in, std::sp
   const std::vector<double> has = own_values(s, in, q), wanted = wanted_values(s, in, q),
                             off = difference(s, in, has, wanted);
   if (in.kind == Kind::scalar) {
-    double size = 0;
+    Number size = 0;
     (void)scalar(s, in, q, size);
     const double rounding = 16 * kEps * s.unit(in.dimension);  // a coordinate may be 0 but for rounding
-    if (std::abs(off[0]) <= slack * (size * s.unit(in.dimension) + std::abs(wanted[0])) + rounding) return {};
+    if (std::abs(off[0]) <= slack * (size.value() * s.unit(in.dimension) + std::abs(wanted[0])) + rounding) return {};
     return Mismatch{in.must_not_vanish ? "distance" : "coordinate", has[0], wanted[0], in.dimension == 1 ? "m" : ""};
   }
   if (in.kind == Kind::direction) {
     const Arms a = arms(s, in, q);
-    const double d = triple::norm(a.d.at), e = triple::norm(a.e.at);
-    if (std::abs(off[0]) <= slack * (1 + (a.d.size * e + d * a.e.size) / a.lever())) return {};
+    const Number d = recorded::norm(a.d.at), e = recorded::norm(a.e.at);
+    if (std::abs(off[0]) <= slack * (1 + (a.d.size * e + d * a.e.size) / a.lever()).value()) return {};
     return Mismatch{"angle", has[0], wanted[0], "rad"};
   }
   const auto part = [&](std::size_t k) {  // NOLINTNEXTLINE(clang-analyzer-core.CallAndMessage): k < has.size()
@@ -207,10 +216,10 @@ std::optional<Mismatch> mismatch(const System& s, const DriverInput& in, std::sp
   const Axes own = own_axes(s, in, q), asked = wanted_axes(s, in, q);
   double worst = 0;
   for (int j = 0; j < 3; ++j) {
-    const double apart = triple::norm(triple::subtract(own.column[j], asked.column[j]));
+    const double apart = recorded::norm(recorded::subtract(own.column[j], asked.column[j])).value();
     if (!(apart <= worst)) worst = apart;
   }
-  if (worst <= slack * own.slack) return {};
+  if (worst <= slack * own.slack.value()) return {};
   std::size_t most = idx(s.dimension);
   for (std::size_t k = most + 1; k < off.size(); ++k) {
     if (std::abs(off[k]) > std::abs(off[most])) most = k;

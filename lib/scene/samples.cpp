@@ -10,6 +10,8 @@
 
 #include "parallel/free_memory.hpp"
 #include "scene/names.hpp"
+#include "scene/number.hpp"
+#include "scene/scene_source.hpp"
 
 namespace assur::samples {
 namespace {
@@ -184,7 +186,8 @@ std::string allowed(const Option& option) {
 }
 
 bool accepts(const Option& option, double value) {
-  if (option.kind == Option::Kind::word || !(value >= option.least && value <= option.most)) return false;
+  if (option.kind == Option::Kind::word || !(Number(value) >= option.least && Number(value) <= option.most))
+    return false;
   return option.kind == Option::Kind::real || std::fmod(value, static_cast<double>(option.multiple)) == 0;
 }
 
@@ -239,6 +242,12 @@ class Request {
     const Option& option = find_option(name);
     if (!accepts(option, value)) refuse_value(option, shortest(value));
     values_.set(name, value);
+  }
+
+  [[nodiscard]] std::vector<std::string> options() const {
+    std::vector<std::string> names;
+    for (const Option& option : row_.options) names.emplace_back(option.name);
+    return names;
   }
 
   [[nodiscard]] Scene make() const {
@@ -342,7 +351,12 @@ Scene sample(std::string_view text, const Parameters& set) {
   samples::Request request(samples::find_or_refuse(name));
   if (name.size() < text.size()) request.read(text.substr(name.size() + 1));
   for (const auto& [option, value] : set) request.set(option, value);
-  return request.make();
+  return SceneSource::attach(request.make(),
+                             {request.options(), [text = std::string(text), set](const Parameters& values) {
+                                Parameters all = values;
+                                all.insert(set.begin(), set.end());
+                                return sample(text, all);
+                              }});
 }
 
 }  // namespace assur

@@ -10,7 +10,7 @@
 #include "scene/joints/joints.hpp"
 #include "scene/names.hpp"
 #include "scene/poses.hpp"
-#include "scene/triple.hpp"
+#include "scene/recorded.hpp"
 #include "scene/validation.hpp"
 
 namespace assur {
@@ -29,10 +29,10 @@ struct Normalised {
 };
 
 void normalise(const std::string& name, Triple& at, const Where& where, std::vector<Normalised>& all) {
-  const double length = triple::norm(at);
-  if (std::abs(length - 1) <= kRounded) return;
-  if (std::abs(length - 1) > kNearlyUnit) all.push_back({name, where.text(), length});
-  at = triple::scale(1 / length, at);
+  const Number length = recorded::norm(at);
+  if (abs(length - 1) <= kRounded) return;
+  if (std::abs(length.value() - 1) > kNearlyUnit) all.push_back({name, where.text(), length.value()});
+  at = recorded::scale(1 / length, at);
 }
 
 // Writes one note for all vectors.
@@ -116,9 +116,14 @@ Scene Scene::with_outputs(std::vector<std::string> outputs) const {
     builder.parts_ = written();
     builder.outputs_ = std::move(outputs);
     builder.time_ = time_;
-    return builder.finish();
+    Scene scene = builder.finish();
+    scene.source_ = source_;
+    scene.has_other_outputs_ = true;
+    scene.has_other_time_ = has_other_time_;
+    return scene;
   }
   Scene scene = *this;
+  scene.has_other_outputs_ = true;
   scene.outputs_ = std::move(outputs);
   refuse_if_any(Validation(scene, {}).outputs());
   expand_all(scene, scene.outputs_);
@@ -128,6 +133,7 @@ Scene Scene::with_outputs(std::vector<std::string> outputs) const {
 
 Scene Scene::with_time(TimeGrid time) const {
   Scene scene = *this;
+  scene.has_other_time_ = true;
   scene.time_ = time;
   refuse_if_any(Validation(scene, {}).time());
   return scene;
@@ -148,6 +154,7 @@ Scene Scene::with_laws(const std::function<Law(const std::string& driver, const 
   parts->written = written;
   Scene scene = *this;
   scene.parts_ = std::move(parts);
+  scene.source_ = nullptr;
   refuse_if_any(Validation(scene, {}).time());
   return scene;
 }

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "scene/triple.hpp"
+#include "scene/recorded.hpp"
 #include "scene/validation_rows.hpp"
 
 namespace assur {
@@ -95,8 +95,8 @@ void Validation::rule(const PointAngle& d, const Driver& driver, const Where& wh
 
 // Checks the axis, and that the arm is not parallel to it.
 void Validation::check_arm(const PointAngle& d, const Involved& a, const Involved& b, const Where& where) {
-  const Triple arm = triple::subtract(b.at, a.at);
-  const bool placed = a.usable && b.usable && triple::is_finite(arm);
+  const Triple arm = recorded::subtract(b.at, a.at);
+  const bool placed = a.usable && b.usable && recorded::is_finite(arm);
   if (dimension() == 2) {
     if (!d.axis.empty()) report(where / "axis", "in the plane every axis is the normal; leave \"axis\" out");
     const auto gives_radius = [&](const Constraint& c) {
@@ -104,7 +104,7 @@ void Validation::check_arm(const PointAngle& d, const Involved& a, const Involve
       return distance != nullptr && distance->value && pair_key(distance->p, distance->q) == pair_key(d.a, d.b);
     };
     const auto& constraints = scene_.constraints();
-    if (placed && triple::norm(arm) == 0 && std::none_of(constraints.begin(), constraints.end(), gives_radius)) {
+    if (placed && recorded::norm(arm) == 0 && std::none_of(constraints.begin(), constraints.end(), gives_radius)) {
       report(where / "angle", in_quotes(d.a) + " and " + in_quotes(d.b) +
                                   " are at the same place, so the radius is 0; give a distance or different positions");
     }
@@ -121,19 +121,19 @@ void Validation::check_arm(const PointAngle& d, const Involved& a, const Involve
                                " moves; about a moving axis use the relative form, the angle from one direction to " +
                                "another: \"angle\": [[\"A\", \"B\"], [\"C\", \"D\"]]");
   } else if (placed &&
-             !(triple::norm(triple::cross(axis.at, arm)) > 1e-9 * triple::norm(arm) * triple::norm(axis.at))) {
+             !(recorded::norm(recorded::cross(axis.at, arm)) > 1e-9 * recorded::norm(arm) * recorded::norm(axis.at))) {
     report(where / "angle", "the direction from " + in_quotes(d.a) + " to " + in_quotes(d.b) +
                                 " is parallel to the axis, so it has no angle about it; choose another axis or other "
                                 "positions");
   } else if (placed) {
     // The distance is the arm's length; its component along the axis is that of the posture as written.
-    const double along = std::abs(triple::dot(axis.at, arm)) / triple::norm(axis.at);
+    const Number along = abs(recorded::dot(axis.at, arm)) / recorded::norm(axis.at);
     for (const Constraint& c : scene_.constraints()) {
       const auto* distance = c.as<Distance>();
       if (distance == nullptr || !distance->value || pair_key(distance->p, distance->q) != pair_key(d.a, d.b)) continue;
       if (*distance->value > along) continue;
       report(where / "angle", "the distance " + in_quotes(c.name) + " of " + shortest(*distance->value) + " m" +
-                                  " is too short: along the axis " + in_quotes(d.b) + " is " + shortest(along) +
+                                  " is too short: along the axis " + in_quotes(d.b) + " is " + shortest(along.value()) +
                                   " m from " + in_quotes(d.a) + "; move it or choose a longer distance");
     }
   }
@@ -155,7 +155,7 @@ void Validation::rule(const DrivenDistance& d, const Driver& driver, const Where
   claim("distance " + pair_key(d.a, d.b), driver, where / "distance");
   if (calls_program(d.law) || driver.relative) return;
   const double start = d.law(scene_.time().start).value;
-  if (start <= 0) {  // NaN, outside a table, is reported above
+  if (Number(start) <= 0) {  // NaN, outside a table, is reported above
     report(where / "law", "the distance at the start is " + shortest(start) + " m; a driven distance must stay > 0");
   }
 }

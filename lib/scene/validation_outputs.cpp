@@ -53,7 +53,8 @@ void Validation::rule(const Combination& m, const Where& where) {
   if (m.terms.empty()) report(sum, "a sum needs at least one measure");
   for (std::size_t i = 0; i < m.terms.size(); ++i) {
     const auto& [name, factor] = m.terms[i];
-    if (factor == 0) report(sum / i / std::size_t{1}, "the factor is 0; a finite number other than 0 is wanted");
+    if (Number(factor) == 0)
+      report(sum / i / std::size_t{1}, "the factor is 0; a finite number other than 0 is wanted");
     if (!involved_[i].usable) continue;
     const auto& term = scene_.measures()[symbols_.find(name)->index].kind;
     if (std::holds_alternative<Orientation>(term)) {
@@ -84,7 +85,7 @@ void Validation::check_limit(const Limit& limit, const Where& where) {
     report(where / (std::isnan(limit.min) ? "min" : "max"), "the value is nan; a number is wanted");
   } else if (std::isinf(limit.min) && std::isinf(limit.max)) {
     report(where, "a limit needs \"min\", \"max\" or both");
-  } else if (!(limit.min < limit.max)) {
+  } else if (!(Number(limit.min) < Number(limit.max))) {
     report(where,
            "the smallest value, " + shortest(limit.min) + ", is not below the largest one, " + shortest(limit.max));
   }
@@ -231,7 +232,7 @@ int Validation::auxiliary(const Symbol& symbol, const std::string& name) const {
   }
   if (symbol.kind == NameKind::body && name == "normal" && dimension() == 3) {
     const Body& body = scene_.bodies()[symbol.index];
-    const auto off_plane = [](const Member& m) { return m.local[2] != 0; };
+    const auto off_plane = [](const Member& m) { return Number(m.local[2]) != 0; };
     const bool has_normal = std::any_of(body.points.begin(), body.points.end(), off_plane) ||
                             std::any_of(body.vectors.begin(), body.vectors.end(), off_plane);
     return body.base.size() == 3 && has_normal ? 3 : 0;

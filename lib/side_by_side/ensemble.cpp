@@ -1,14 +1,19 @@
 #include "assur/ensemble.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <exception>
 #include <map>
 #include <memory>
+#include <numeric>
 #include <optional>
 #include <utility>
 
+#include "index.hpp"
 #include "numbers.hpp"
+#include "parallel/team.hpp"
 #include "scene/outputs.hpp"
+#include "side_by_side/bound_members.hpp"
 #include "side_by_side/memory.hpp"
 #include "side_by_side/row_summary.hpp"
 #include "side_by_side/run_arguments.hpp"
@@ -18,14 +23,23 @@
 
 namespace assur {
 
+// Members whose figures are kept at once.
+constexpr std::size_t kMostLaneRuns = 65'536;
+// Members that are prepared at once.
+constexpr std::size_t kMostPrepared = 256;
+
 struct Ensemble::Impl {
+  // Members of one structure, in tiles.
+  struct Class {
+    Prepared prepared;
+    std::vector<std::size_t> members;
+    std::vector<Variant> variants;  // of the members
+    std::unique_ptr<Tiles> tiles;
+  };
+
   Impl(std::size_t count, const std::function<Prepared(std::size_t)>& member, StepLimits step_limits)
       : limits(step_limits), cannot(count) {
-    check_limits(limits);
-    if (limits.seconds > 0) {
-      throw Error(Error::Kind::input,
-                  "StepLimits::seconds limits single steps, which an ensemble does not support; set it to 0");
-    }
+    refuse_wrong_limits();
     std::exception_ptr first_error;
     for (std::size_t i = 0; i < count; ++i) {
       try {
@@ -38,9 +52,41 @@ struct Ensemble::Impl {
     }
     if (!prepared && first_error) std::rethrow_exception(first_error);
     if (!prepared) throw Error(Error::Kind::input, "an ensemble needs at least one member");
-    // A structure that only one member has is not worth a tile.
-    const auto single =
-        std::partition(classes.begin() + 1, classes.end(), [](const Class& c) { return c.members.size() > 1; });
+    make_tiles(classes.begin() + 1);
+  }
+
+  Impl(std::unique_ptr<BoundMembers> of_table, StepLimits step_limits)
+      : limits(step_limits), bound(std::move(of_table)) {
+    refuse_wrong_limits();
+    prepared = bound->first();
+    prepared->plan.run.chunks = 1;
+    columns = column_names(*prepared->structure->system);
+    meet_bound(true);
+  }
+
+  void refuse_wrong_limits() const {
+    check_limits(limits);
+    if (limits.seconds > 0) {
+      throw Error(Error::Kind::input,
+                  "StepLimits::seconds limits single steps, which an ensemble does not support; set it to 0");
+    }
+  }
+
+  // Gets ready for the members of the table. anew: the tiles cannot serve them.
+  void meet_bound(bool anew) {
+    const std::size_t most = std::min(bound->count(), kMostLaneRuns);
+    if (anew || most > std::min(cannot.size(), kMostLaneRuns)) {
+      bound_tiles.reset();
+      if (bound->why_not().empty()) bound_tiles = std::make_unique<Tiles>(*prepared, limits, most, bound.get());
+    }
+    cannot.assign(bound->count(), {});
+    report = {};
+    outcomes.clear();
+  }
+
+  // A structure that only one member has is not worth a tile; classes before `first` get one nevertheless.
+  void make_tiles(std::vector<Class>::iterator first) {
+    const auto single = std::partition(first, classes.end(), [](const Class& c) { return c.members.size() > 1; });
     for (auto c = single; c != classes.end(); ++c) others.emplace(c->members[0], std::move(c->prepared));
     classes.erase(single, classes.end());
     for (Class& c : classes) c.tiles = std::make_unique<Tiles>(c.prepared, limits, c.members.size());
@@ -65,14 +111,6 @@ struct Ensemble::Impl {
     c->members.push_back(i);
     c->variants.push_back({p.structure->system, p.structure->start, p.time.start, p.reselect});
   }
-
-  // Members of one structure, in tiles.
-  struct Class {
-    Prepared prepared;
-    std::vector<std::size_t> members;
-    std::vector<Variant> variants;  // of the members
-    std::unique_ptr<Tiles> tiles;
-  };
 
   // Where the rows of the members go.
   struct Results {
@@ -99,56 +137,142 @@ struct Ensemble::Impl {
     start(results);
     const auto rows = [&](std::size_t members) { return static_cast<std::int64_t>(members * results.times.size()); };
     const std::int64_t of = rows(static_cast<std::size_t>(std::count(cannot.begin(), cannot.end(), std::string())));
-    bool stopped = false;
-    std::int64_t before = 0;
-    Simulator::Observer of_all;
+    Progress progress{{}, 0, false};
     if (observer) {
-      of_all = [&](std::int64_t done, std::int64_t) {
-        stopped = !observer(before + done, of);
-        return !stopped;
+      progress.observer = [&](std::int64_t done, std::int64_t) {
+        progress.stopped = !observer(progress.before + done, of);
+        return !progress.stopped;
       };
     }
-    for (Class& c : classes) {
-      run_in_lanes(c, results, of_all, stopped);
-      before += rows(c.members.size());
-    }
-    for (const auto& [i, other] : others) {
-      if (stopped) {
-        outcomes[i].status = {Code::interrupted, {}, results.times[0]};
-        continue;
-      }
-      run_other(i, results, of_all);
-      before += rows(1);
+    if (bound) {
+      run_bound(results, progress);
+    } else {
+      run_prepared(results, progress);
     }
     summarize(results);
   }
 
-  // Runs the members of one structure, in tiles; a free thread takes the next tile.
-  void run_in_lanes(Class& c, const Results& results, const Simulator::Observer& observer, bool stopped) {
-    if (stopped) {
-      for (const std::size_t i : c.members) outcomes[i].status = {Code::interrupted, {}, results.times[0]};
-      return;
+  // Rows of the members that have run, and whether the observer has stopped the run.
+  struct Progress {
+    Simulator::Observer observer;
+    std::int64_t before = 0;
+    bool stopped = false;
+  };
+
+  void interrupt(std::size_t i, const Results& results) {
+    outcomes[i].status = {Code::interrupted, {}, results.times[0]};
+  }
+
+  void run_prepared(const Results& results, Progress& progress) {
+    for (Class& c : classes) {
+      std::vector<LaneRun> runs(c.members.size());
+      for (std::size_t i = 0; i < runs.size(); ++i) runs[i].variant = c.variants[i];
+      run_in_lanes(*c.tiles, runs, c.members, results, progress);
+      totals.merge(c.tiles->totals());
     }
-    std::vector<LaneRun> runs(c.members.size());
-    for (std::size_t i = 0; i < runs.size(); ++i) {
-      runs[i].variant = c.variants[i];
-      runs[i].times = results.times;
-      if (results.values != nullptr) {
-        runs[i].rows = results.values + c.members[i] * results.times.size() * columns.size();
-      } else {
-        runs[i].summary = &results.summaries[c.members[i]];
+    for (const auto& [i, other] : others) {
+      if (progress.stopped) {
+        interrupt(i, results);
+        continue;
+      }
+      run_other(i, results, progress.observer);
+      progress.before += static_cast<std::int64_t>(results.times.size());
+    }
+  }
+
+  // Runs the members of the table: in lanes where they can be bound, and prepared where not.
+  void run_bound(const Results& results, Progress& progress) {
+    std::vector<std::size_t> unbound, members;
+    if (bound_tiles) bound_tiles->clear();
+    for (std::size_t begin = 0; begin < cannot.size(); begin += kMostLaneRuns) {
+      members.resize(std::min(kMostLaneRuns, cannot.size() - begin));
+      std::iota(members.begin(), members.end(), begin);
+      if (!bound_tiles) {
+        unbound.insert(unbound.end(), members.begin(), members.end());
+        continue;
+      }
+      std::vector<LaneRun> runs(members.size());
+      for (std::size_t i = 0; i < runs.size(); ++i) runs[i].member = members[i];
+      run_in_lanes(*bound_tiles, runs, members, results, progress);
+      for (const LaneRun& run : runs) {
+        if (run.unbound) unbound.push_back(run.member);
       }
     }
-    c.tiles->run(runs, observer, 0);
+    if (bound_tiles) totals.merge(bound_tiles->totals());
+    progress.before -= static_cast<std::int64_t>(bound_tiles ? unbound.size() * results.times.size() : 0);
+    for (std::size_t begin = 0; begin < unbound.size(); begin += kMostPrepared) {
+      run_unbound(std::span(unbound).subspan(begin, std::min(kMostPrepared, unbound.size() - begin)), results,
+                  progress);
+    }
+    if (unbound.empty()) return;
+    report.fallbacks.push_back(std::to_string(unbound.size()) + " of " + std::to_string(cannot.size()) +
+                               " members were prepared one by one, because " +
+                               (bound->why_not().empty()
+                                    ? "their start posture is not near their guess, or their equations differ"
+                                    : bound->why_not()));
+  }
+
+  // Prepares members of the table, and runs them.
+  void run_unbound(std::span<const std::size_t> members, const Results& results, Progress& progress) {
+    std::vector<std::optional<Prepared>> made(members.size());
+    std::atomic<std::size_t> next = 0;
+    Team team(static_cast<int>(std::min(idx(prepared->plan.run.threads), members.size())), limits.pin_to);
+    if (!progress.stopped) {
+      team.run([&](int) {
+        for (std::size_t k; (k = next++) < members.size();) {
+          try {
+            made[k] = bound->prepare(members[k]);
+          } catch (const Error& e) {
+            if (e.kind() == Error::Kind::environment) throw;
+            outcomes[members[k]].cannot = e.what();
+          }
+        }
+      });
+    }
+    for (std::size_t k = 0; k < members.size(); ++k) {
+      const std::size_t i = members[k];
+      if (progress.stopped) {
+        interrupt(i, results);
+        continue;
+      }
+      if (made[k]) take(i, std::move(*made[k]));
+      made[k].reset();
+      if (outcomes[i].cannot.empty()) outcomes[i].cannot = std::exchange(cannot[i], {});
+      if (!outcomes[i].cannot.empty()) outcomes[i].status.code = Code::not_converged;
+    }
+    make_tiles(classes.begin());
+    run_prepared(results, progress);
+    classes.clear();
+    others.clear();
+  }
+
+  // Runs members of one structure, in tiles; a free thread takes the next tile. Members that are not bound keep their
+  // outcomes.
+  void run_in_lanes(Tiles& tiles, std::span<LaneRun> runs, std::span<const std::size_t> members, const Results& results,
+                    Progress& progress) {
+    if (progress.stopped) {
+      for (const std::size_t i : members) interrupt(i, results);
+      return;
+    }
+    for (std::size_t i = 0; i < runs.size(); ++i) {
+      runs[i].times = results.times;
+      if (results.values != nullptr) {
+        runs[i].rows = results.values + members[i] * results.times.size() * columns.size();
+      } else {
+        runs[i].summary = &results.summaries[members[i]];
+      }
+    }
+    tiles.run(runs, progress.observer, 0);
     for (std::size_t i = 0; i < runs.size(); ++i) {
       LaneRun& run = runs[i];
-      results.rows[c.members[i]] = run.done;
+      if (run.unbound) continue;
+      results.rows[members[i]] = run.done;
       totals.error.merge(run.error);
-      outcomes[c.members[i]] = {run.status, run.reached,    std::move(run.cannot),
-                                run.alone,  run.alone_from, std::move(run.events)};
-      note(c.members[i], run.fallbacks);
+      outcomes[members[i]] = {run.status, run.reached,    std::move(run.cannot),
+                              run.alone,  run.alone_from, std::move(run.events)};
+      note(members[i], run.fallbacks);
     }
-    totals.merge(c.tiles->totals());
+    progress.before += static_cast<std::int64_t>(runs.size() * results.times.size());
   }
 
   void run_other(std::size_t i, const Results& results, const Simulator::Observer& observer) {
@@ -221,6 +345,8 @@ struct Ensemble::Impl {
   }
 
   StepLimits limits;
+  std::unique_ptr<BoundMembers> bound;     // null: the members were prepared
+  std::unique_ptr<Tiles> bound_tiles;      // null: no member is bound
   std::vector<std::string> cannot;         // reason why the member cannot be started; empty: it can
   std::optional<Prepared> prepared;        // that of the first member that can be started
   std::vector<std::string> columns;        // of all members
@@ -233,6 +359,8 @@ struct Ensemble::Impl {
 
 Ensemble::Ensemble(std::size_t members, const std::function<Prepared(std::size_t)>& member, StepLimits limits)
     : impl_(std::make_unique<Impl>(members, member, limits)) {}
+Ensemble::Ensemble(std::unique_ptr<BoundMembers> members, StepLimits limits)
+    : impl_(std::make_unique<Impl>(std::move(members), limits)) {}
 Ensemble::Ensemble(Ensemble&&) noexcept = default;
 Ensemble& Ensemble::operator=(Ensemble&&) noexcept = default;
 Ensemble::~Ensemble() = default;
@@ -291,6 +419,15 @@ EnsembleSummary Ensemble::summarize(const std::vector<std::string>& columns, std
   impl_->run({times, out.rows_, nullptr, summaries}, observer);
   for (RowSummary& summary : summaries) summary.finish();
   return out;
+}
+
+void Ensemble::bind(std::vector<double> values) {
+  if (!impl_->bound) {
+    throw Error(Error::Kind::input,
+                "the members of this ensemble were prepared one by one; an ensemble with a table of "
+                "values takes another table");
+  }
+  impl_->meet_bound(impl_->bound->take(std::move(values)));
 }
 
 std::size_t Ensemble::members() const { return impl_->cannot.size(); }

@@ -39,6 +39,14 @@ void stop(LaneRun& run, const std::vector<double>& posture) {
 
 }  // namespace
 
+SideBySide::SideBySide(const Prepared& prepared, const StepLimits& limits, const BoundMembers* members)
+    : prepared_(prepared), limits_(limits), tile_(prepared, limits) {
+  if (members == nullptr) return;
+  binder_ = members->binder(static_cast<std::size_t>(tile_.lanes()));
+  const Structure& first = *prepared.structure;
+  tile_.keep_pivots({first.system, first.start, prepared.time.start, prepared.reselect});
+}
+
 Totals SideBySide::totals() const {
   Totals sum{tile_.counters(), tile_.error(), tile_.effort()};
   sum.merge(of_those_alone_);
@@ -116,11 +124,65 @@ void SideBySide::check_accuracy(std::span<LaneRun* const> lanes, std::size_t row
   }
 }
 
+bool SideBySide::start(const Lanes& lanes, std::span<const Variant* const> variants) {
+  std::vector<const Variant*> these;
+  for (const std::size_t i : lanes) these.push_back(variants[i]);
+  return tile_.start(these).ok();
+}
+
+// Those of the lanes that can start. in_tile: receives the lanes that are in the tile, if they started.
+SideBySide::Lanes SideBySide::startable(const Lanes& lanes, std::span<const Variant* const> variants, Lanes& in_tile) {
+  Lanes able;
+  in_tile.clear();
+  if (lanes.empty()) return able;
+  if (start(lanes, variants)) {
+    in_tile = lanes;
+    for (std::size_t i = 0; i < lanes.size(); ++i) {
+      if (binder_->is_start(*variants[lanes[i]], tile_.posture(static_cast<int>(i)))) able.push_back(lanes[i]);
+    }
+    return able;
+  }
+  if (lanes.size() == 1) return able;
+  const auto middle = lanes.begin() + static_cast<std::ptrdiff_t>(lanes.size() / 2);
+  for (const Lanes& half : {Lanes(lanes.begin(), middle), Lanes(middle, lanes.end())}) {
+    const Lanes of_half = startable(half, variants, in_tile);
+    able.insert(able.end(), of_half.begin(), of_half.end());
+  }
+  return able;
+}
+
+// Binds the members and assembles them in the lanes, from their guesses. Those that must be prepared leave `together`.
+void SideBySide::assemble(std::vector<LaneRun*>& together, std::vector<Variant>& at) {
+  std::vector<std::size_t> members;
+  for (const LaneRun* lane : together) members.push_back(lane->member);
+  std::vector<const Variant*> variants(members.size());
+  binder_->bind(members, variants);
+  Lanes bound, in_tile;
+  for (std::size_t i = 0; i < members.size(); ++i) {
+    if (variants[i] != nullptr) bound.push_back(i);
+  }
+  Lanes able = startable(bound, variants, in_tile);
+  if (!able.empty() && able != in_tile && !(able.size() < bound.size() && start(able, variants))) able.clear();
+  std::vector<LaneRun*> started;
+  for (LaneRun* lane : together) lane->unbound = true;
+  for (const std::size_t i : able) {
+    together[i]->unbound = false;
+    started.push_back(together[i]);
+    at.push_back(*variants[i]);
+  }
+  together = std::move(started);
+}
+
 void SideBySide::run(std::span<LaneRun* const> lanes, const std::function<bool()>& proceed) {
   const std::size_t last = lanes[0]->times.size() - 1;
   std::vector<LaneRun*> together(lanes.begin(), lanes.end());
   std::vector<Variant> at;
-  for (const LaneRun* lane : together) at.push_back(lane->variant);
+  if (binder_) {
+    assemble(together, at);
+  } else {
+    for (const LaneRun* lane : together) at.push_back(lane->variant);
+  }
+  bool is_assembled = binder_ != nullptr;
   stopped_ = false;
   latest_.resize(lanes.size() * columns().size());
   for (std::size_t i = 0; i < lanes.size(); ++i) {
@@ -129,11 +191,13 @@ void SideBySide::run(std::span<LaneRun* const> lanes, const std::function<bool()
   for (std::size_t row = 0; !together.empty();) {
     std::vector<const Variant*> variants;
     for (const Variant& v : at) variants.push_back(&v);
-    const bool started = tile_.start(variants).ok();
+    const bool started = std::exchange(is_assembled, false) || tile_.start(variants).ok();
     if (started && row == 0) {
       for (std::size_t i = 0; i < together.size(); ++i) {
         write_row(static_cast<int>(i), *together[i], 0);
-        together[i]->uniqueness = tile_.uniqueness(static_cast<int>(i));
+        if (together[i]->posture_wanted < lanes[0]->times.size()) {
+          together[i]->uniqueness = tile_.uniqueness(static_cast<int>(i));
+        }
       }
       check_accuracy(together, 0);
       for (LaneRun* lane : together) summarize_row(*lane, 0);

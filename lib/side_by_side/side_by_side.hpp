@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -10,6 +11,7 @@
 #include <vector>
 
 #include "assur/report.hpp"
+#include "side_by_side/bound_members.hpp"
 #include "side_by_side/row_summary.hpp"
 #include "side_by_side/tile.hpp"
 
@@ -17,7 +19,9 @@ namespace assur {
 
 // One mechanism over its times.
 struct LaneRun {
-  Variant variant;
+  Variant variant;                // unless it is a bound member
+  std::size_t member = 0;         // of BoundMembers
+  bool unbound = false;           // true: the member was not bound and has not run, because it must be prepared
   std::span<const double> times;  // the first one is that of the variant
   double* rows = nullptr;         // receives the first `split` rows of results; `beyond` the others
   RowSummary* summary = nullptr;  // not null: takes each row, and only the latest one is kept
@@ -37,7 +41,7 @@ struct LaneRun {
   std::size_t posture_wanted = static_cast<std::size_t>(-1);
   std::vector<double> posture;
   std::vector<double> outputs;     // at `reached`, if `reached` lies between two times of the run
-  std::vector<double> uniqueness;  // see Tile::uniqueness(), at the start
+  std::vector<double> uniqueness;  // see Tile::uniqueness(), at the start; if a posture is wanted
 
   [[nodiscard]] double* row(std::size_t k, std::size_t columns) const {
     if (summary != nullptr) return rows;
@@ -56,9 +60,9 @@ struct Totals {
 // The mechanisms of one tile.
 class SideBySide {
  public:
-  // Throws Error (environment) if a backend of the plan cannot run here.
-  SideBySide(const Prepared& prepared, const StepLimits& limits)
-      : prepared_(prepared), limits_(limits), tile_(prepared, limits) {}
+  // members: null, or those that run() binds instead of taking LaneRun::variant. Throws Error (environment) if a
+  // backend of the plan cannot run here.
+  SideBySide(const Prepared& prepared, const StepLimits& limits, const BoundMembers* members = nullptr);
 
   [[nodiscard]] int lanes() const { return tile_.lanes(); }
   [[nodiscard]] const std::vector<std::string>& columns() const { return tile_.columns(); }
@@ -75,6 +79,11 @@ class SideBySide {
   void clear_totals();
 
  private:
+  // Lanes, by their index.
+  using Lanes = std::vector<std::size_t>;
+  [[nodiscard]] bool start(const Lanes& lanes, std::span<const Variant* const> variants);
+  [[nodiscard]] Lanes startable(const Lanes& lanes, std::span<const Variant* const> variants, Lanes& in_tile);
+  void assemble(std::vector<LaneRun*>& together, std::vector<Variant>& at);
   [[nodiscard]] std::size_t follow(std::span<LaneRun* const> lanes, std::size_t from,
                                    const std::function<bool()>& proceed);
   void measure_errors(std::span<LaneRun* const> lanes, std::size_t row);
@@ -87,6 +96,7 @@ class SideBySide {
   Prepared prepared_;
   StepLimits limits_;
   Tile tile_;
+  std::unique_ptr<MemberBinder> binder_;  // null: the variants are given
   Totals of_those_alone_;
   std::vector<double> latest_;  // rows of lanes that are summarised
   bool stopped_ = false;

@@ -32,6 +32,8 @@ Tile::Tile(const Prepared& prepared, const StepLimits& limits)
     divisors_.push_back(all_divisors_.data() + lane * outputs_[0].measures());
   }
   drive_.resize(idx(lanes_));
+  bound_to_.resize(idx(lanes_));
+  wanted_.resize(idx(lanes_));
   functions_.resize(idx(lanes_));
 
   std::vector<std::uint8_t> read(layout_.size, 0), needed(system.coordinates.size(), 0);
@@ -59,9 +61,18 @@ Tile::Tile(const Prepared& prepared, const StepLimits& limits)
   for (const Index i : driven_.assignments) driven_coordinates_.push_back(system.assignments[idx(i)].coordinate);
 }
 
-Status Tile::start(std::span<const Variant* const> variants) {
+void Tile::keep_pivots(const Variant& of) {
+  const Variant* const one = &of;
+  if (!start({&one, 1}, false).ok()) return;
+  for (Pack& pack : layout_.packs) {
+    if (pack.solver) pack.pivots = pack.solver->clone();
+  }
+  clear_figures();
+}
+
+Status Tile::start(std::span<const Variant* const> variants, bool alike) {
   variants_.assign(variants.begin(), variants.end());
-  bind();
+  bind(alike);
   state_.clear();
   watched_level_ = 0;
   measured_at_ = -1;
@@ -82,9 +93,9 @@ Status Tile::start(std::span<const Variant* const> variants) {
   return begin_limits();
 }
 
-void Tile::bind() {
+void Tile::bind(bool alike) {
   effort_ = effort();
-  for (const auto& s : layout_.solvers) s->restart();
+  for (const auto& s : layout_.solvers) s->restart(alike);
   for (std::size_t g = 0; g < layout_.packs.size(); ++g) {
     Pack& pack = layout_.packs[g];
     pack.solver.reset();
@@ -97,15 +108,9 @@ void Tile::bind() {
     }
   }
   for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
+    bind_programs(lane);
     const System& system = *variants_[lane]->system;
-    outputs_[lane].bind(system, layout_.address);
-    drive_[lane].emplace(system, driven_);
     if (!system.bounds.empty()) limit_watch_[lane] = std::make_unique<LimitWatch>(system, layout_.address);
-    const bool repeats =
-        lane > 0 && &system == variants_[0]->system.get() && variants_[lane]->time == variants_[0]->time;
-    functions_[lane].reset();
-    if (!repeats) functions_[lane].emplace(*structure_, system, layout_.address);
-    if (!repeats && functions_[lane]->empty()) functions_[lane].reset();
     if (structure_->watch_class.equations.empty()) continue;
     watch_[lane].emplace(system, *structure_, layout_.address);
     independence_[lane] =
@@ -115,6 +120,23 @@ void Tile::bind() {
   for (const Variant* v : variants_) systems.push_back(v->system.get());
   estimate_.restart(systems);
   alike_ = driven_alike();
+}
+
+void Tile::bind_programs(std::size_t lane) {
+  const Variant& v = *variants_[lane];
+  const bool is_known = v.changes && bound_to_[lane] == v.system.get();
+  bound_to_[lane] = v.system.get();
+  if (!is_known) wanted_[lane] = wanted_outputs(*v.system);
+  if (!is_known || v.changes->outputs) outputs_[lane].bind(*v.system, layout_.address, wanted_[lane]);
+  const bool has_laws = is_known && !v.changes->laws;
+  if (!has_laws || (v.changes->assignments && !drive_[lane]->renew_assignments(*v.system, driven_))) {
+    drive_[lane].emplace(*v.system, driven_);
+  }
+  if (has_laws) return;  // and the same functions
+  const bool repeats = lane > 0 && v.system == variants_[0]->system && v.time == variants_[0]->time;
+  functions_[lane].reset();
+  if (!repeats) functions_[lane].emplace(*structure_, *v.system, layout_.address);
+  if (!repeats && functions_[lane]->empty()) functions_[lane].reset();
 }
 
 // True if the drivers of all lanes have the same laws: then one evaluation serves all lanes at the same time.

@@ -34,6 +34,12 @@ struct Variant {
   double time = 0;
   std::function<Prepared(std::vector<double>, double)> reselect;  // as in Prepared
   std::vector<double> limited = {};                               // limited quantities, as Prepared::start_limits
+  // Set: the system is kept from start to start, and only its numbers change; these say which ones change besides those
+  // of groups.
+  struct Changes {
+    bool outputs, laws, assignments;
+  };
+  std::optional<Changes> changes = {};
 };
 
 // A tile of W lanes.
@@ -49,7 +55,11 @@ class Tile {
   [[nodiscard]] const OutputProgram& outputs() const { return outputs_[0]; }
 
   // Puts 1 to lanes() variants into the lanes and solves their velocities. Drops the variants before.
-  [[nodiscard]] Status start(std::span<const Variant* const> variants);
+  [[nodiscard]] Status start(std::span<const Variant* const> variants) { return start(variants, true); }
+
+  // From now on, each start begins with the pivots of this variant instead of choosing pivots: where many variants
+  // start and run for a short time, the choice takes longer than the rest.
+  void keep_pivots(const Variant& of);
 
   // Moves every variant to its next time; all steps must be equally long. Steps are not halved: if one fails, all
   // variants keep the last posture.
@@ -99,7 +109,9 @@ class Tile {
   void clear_figures();
 
  private:
-  void bind();
+  [[nodiscard]] Status start(std::span<const Variant* const> variants, bool alike);
+  void bind(bool alike = true);
+  void bind_programs(std::size_t lane);
   [[nodiscard]] bool driven_alike() const;
   [[nodiscard]] Status check_functions(std::span<const double> times);
   [[nodiscard]] Status drive(std::span<const double> times);
@@ -144,9 +156,11 @@ class Tile {
   std::vector<std::optional<FunctionCheck>> functions_;  // lanes; only the first of equal ones; empty: nothing to check
   ErrorEstimate estimate_;
   State state_;
-  std::vector<const Variant*> variants_;  // lanes in use
-  std::vector<double> now_;               // their times
-  bool alike_ = false;                    // the drivers of all lanes are the same
+  std::vector<const Variant*> variants_;     // lanes in use
+  std::vector<const System*> bound_to_;      // lanes: system of the programs
+  std::vector<std::vector<Output>> wanted_;  // lanes: outputs of that system
+  std::vector<double> now_;                  // their times
+  bool alike_ = false;                       // the drivers of all lanes are the same
   std::int64_t attempts_ = 0;
   Counters counters_;
   Effort effort_;  // effort of solvers that were replaced

@@ -21,10 +21,12 @@ int threads_for(const Plan& plan, std::size_t runs) {
 
 }  // namespace
 
-Tiles::Tiles(Prepared prepared, const StepLimits& limits, std::size_t runs)
+Tiles::Tiles(Prepared prepared, const StepLimits& limits, std::size_t runs, const BoundMembers* members)
     : team_(threads_for(prepared.plan, runs), limits.pin_to) {
   prepared.plan.lanes = static_cast<std::int32_t>(lanes_for(prepared.plan, runs));
-  for (int rank = 0; rank < team_.size(); ++rank) workers_.push_back(std::make_unique<SideBySide>(prepared, limits));
+  for (int rank = 0; rank < team_.size(); ++rank) {
+    workers_.push_back(std::make_unique<SideBySide>(prepared, limits, members));
+  }
 }
 
 void Tiles::run(std::span<LaneRun> runs, const Simulator::Observer& observer, std::int64_t rows) {
@@ -59,7 +61,7 @@ void Tiles::run(std::span<LaneRun> runs, const Simulator::Observer& observer, st
     }
   });
   for (LaneRun& run : runs) {
-    if (run.done == 0 && run.status.ok()) run.status = {Code::interrupted, {}, run.reached};
+    if (run.done == 0 && run.status.ok() && !run.unbound) run.status = {Code::interrupted, {}, run.reached};
   }
   if (observer && !stopped && heard < done) (void)observer(done, rows);
 }

@@ -13,9 +13,9 @@ namespace assur {
 // One tile for each thread.
 class Tiles {
  public:
-  // runs: largest number of runs in one call of run(); limits lanes and threads. Throws Error (environment) if a
-  // backend of the plan cannot run here.
-  Tiles(Prepared prepared, const StepLimits& limits, std::size_t runs);
+  // runs: largest number of runs in one call of run(); limits lanes and threads. members: as in SideBySide. Throws
+  // Error (environment) if a backend of the plan cannot run here.
+  Tiles(Prepared prepared, const StepLimits& limits, std::size_t runs, const BoundMembers* members = nullptr);
 
   [[nodiscard]] SideBySide& first() { return *workers_[0]; }
 

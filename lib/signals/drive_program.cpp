@@ -117,6 +117,22 @@ void DriveProgram::add_assignment(const System& system, const Assignment& assign
   sums_.push_back({assignment.coordinate, begin, static_cast<std::int32_t>(terms_.size())});
 }
 
+bool DriveProgram::renew_assignments(const System& system, const Driven& driven) {
+  auto sum = sums_.begin();
+  for (const Index i : driven.assignments) {
+    const Assignment& assignment = system.assignments[idx(i)];
+    const auto terms = system.form(assignment.form);
+    const auto factor = [&](const Term& t) { return system.constants[idx(t.constant)]; };
+    if (sum == sums_.end() || sum->coordinate != assignment.coordinate) {
+      if (factor(terms[0]) != 1) return false;  // it was a copy
+      continue;
+    }
+    for (std::size_t k = 0; k < terms.size(); ++k) terms_[idx(sum->begin) + k].factor = factor(terms[k]);
+    ++sum;
+  }
+  return true;
+}
+
 std::int32_t DriveProgram::slot(std::size_t input, int law) const {
   return slot_[idx(first_slot_[input]) + static_cast<std::size_t>(law)];
 }

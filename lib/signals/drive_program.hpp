@@ -21,6 +21,10 @@ class DriveProgram {
   // Keeps references to the laws of `system`.
   DriveProgram(const System& system, const Driven& driven);
 
+  // Takes over other constants of the assignments of a system that is the same otherwise. False, with the program
+  // invalid, if it must be made anew.
+  [[nodiscard]] bool renew_assignments(const System& system, const Driven& driven);
+
   // Slot of a law of System::inputs[input]; -1: the law is not needed.
   [[nodiscard]] std::int32_t slot(std::size_t input, int law) const;
   // held: the caller replaces this law after each evaluation, so that its tables and functions are not evaluated.

@@ -123,6 +123,7 @@ class OutputProgram {
   void bind(const System& system, std::span<const std::int32_t> address) {
     bind(system, address, wanted_outputs(system));
   }
+  void bind(const System& system, std::span<const std::int32_t> address, const std::vector<Output>& outputs);
 
   // Evaluates outputs side by side that read neighbouring numbers of the state, as the lanes of a pack are. To be
   // called after mark(); bind() returns to one output after the other. size: of the state.
@@ -184,7 +185,6 @@ class OutputProgram {
     std::int32_t begin, end;
     std::array<std::int32_t, 3> column;  // -1: not wanted
   };
-  void bind(const System& system, std::span<const std::int32_t> address, const std::vector<Output>& outputs);
   struct Form;
   struct Neighbours;
   void add_row(const Neighbours& neighbours);

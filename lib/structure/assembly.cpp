@@ -10,14 +10,12 @@
 
 namespace assur {
 namespace {
-constexpr double kSatisfied = 64 * kEps;     // relative residual of an equation that holds
 constexpr Eigen::Index kDenseAssembly = 96;  // larger blocks are factored sparse
 constexpr int kAssemblySteps = 60;
 constexpr int kFitSteps = 400;
 constexpr int kPolishSteps = 10;
-constexpr double kNearGuess = 0.25;  // internal units
-constexpr double kStuck = 1e-8;      // relative residual; least squares that end above it found no posture
-constexpr double kNudge = 0.1;       // internal units: typical lengths are 1
+constexpr double kStuck = 1e-8;  // relative residual; least squares that end above it found no posture
+constexpr double kNudge = 0.1;   // internal units: typical lengths are 1
 
 // A direct solution with its condition and the sign of the determinant.
 class Linearization {

@@ -4,9 +4,14 @@
 #include <string>
 #include <vector>
 
+#include "numbers.hpp"
 #include "structure/blocks.hpp"
 
 namespace assur {
+
+inline constexpr double kSatisfied = 64 * kEps;  // relative residual of an equation that holds
+// A posture within this distance of its guess, in internal units, is on the branch of the guess.
+inline constexpr double kNearGuess = 0.25;
 
 // The result of assemble().
 struct BlockAssembly {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "index.hpp"
+#include "scene/number.hpp"
 
 namespace assur {
 namespace {
@@ -15,7 +16,7 @@ constexpr std::size_t kLongestForm = 12;  // longer forms would cost more than t
 struct Affine {
   struct Part {
     Index coordinate;
-    double factor;
+    Number factor;
     Index constant;  // constant of the factor: kPlus or kMinus for a literal, -1 for a new constant
   };
   std::vector<Part> parts;
@@ -83,13 +84,13 @@ class Presolve {
     if (e.linear < 0 || e.callback >= 0 || e.products_begin != e.products_end) return false;
     const Affine row = resolve(e.linear);
     if (row.parts.size() > kLongestForm) return false;
-    double largest = 0;
+    Number largest = 0;
     for (const auto& p : row.parts) {
-      if (s_.coordinates[idx(p.coordinate)].role == Role::unknown) largest = std::max(largest, std::abs(p.factor));
+      if (s_.coordinates[idx(p.coordinate)].role == Role::unknown) largest = std::max(largest, abs(p.factor));
     }
     const Affine::Part* pivot = nullptr;
     for (const auto& p : row.parts) {
-      if (s_.coordinates[idx(p.coordinate)].role != Role::unknown || std::abs(p.factor) < kPivotShare * largest ||
+      if (s_.coordinates[idx(p.coordinate)].role != Role::unknown || abs(p.factor) < kPivotShare * largest ||
           p.factor == 0) {
         continue;
       }
@@ -114,7 +115,7 @@ class Presolve {
 
   Index constant_of(const Affine::Part& p) {
     if (p.constant >= 0) return p.constant;
-    s_.constants.push_back(p.factor);
+    s_.constants.push_back(p.factor.value());
     return static_cast<Index>(s_.constants.size()) - 1;
   }
 

@@ -8,6 +8,7 @@
 
 #include "index.hpp"
 #include "numbers.hpp"
+#include "scene/number.hpp"
 
 namespace assur {
 namespace {
@@ -67,7 +68,7 @@ class Slides {
   }
   Index negative(Index constant) {
     if (constant < kLiterals) return constant == kPlus ? kMinus : kPlus;
-    s_.constants.push_back(-value(constant));
+    s_.constants.push_back((-value(constant)).value());
     return static_cast<Index>(s_.constants.size()) - 1;
   }
   void set(Index equation, const std::vector<Product>& products, Index linear) {
@@ -83,7 +84,7 @@ class Slides {
     if (terms.size() != 1 || terms[0].constant != kPlus) return -1;
     return s_.coordinates[idx(terms[0].coordinate)].role == Role::unknown ? terms[0].coordinate : -1;
   }
-  [[nodiscard]] double value(Index constant) const { return s_.constants[idx(constant)]; }
+  [[nodiscard]] Number value(Index constant) const { return s_.constants[idx(constant)]; }
 
   void note_norm(Index equation) {
     const Equation& e = s_.equations[idx(equation)];
@@ -104,7 +105,7 @@ class Slides {
   void note_slide(std::span<const Index> rows) {
     Slide slide{};
     Index source = -1;
-    double constant = 0;
+    Number constant = 0;
     for (std::size_t k = 0; k < size_; ++k) {
       const Equation& e = s_.equations[idx(rows[k])];
       const auto products = s_.products_of(e);
@@ -118,7 +119,7 @@ class Slides {
         slide = {norm->second.first, {rows.begin(), rows.end()}, norm->second.second, {}, {lambda[0]}};
       }
       if (e.source != source || only(products[0].b) != slide.u[k]) return;
-      double own = 0;
+      Number own = 0;
       std::vector<Term>& r = slide.components.emplace_back();
       for (const Term& t : s_.form(e.linear)) {
         if (t.coordinate != kOne && value(t.constant) == 0) continue;
@@ -131,10 +132,10 @@ class Slides {
         }
       }
       if (k == 0) constant = own;
-      if (!(std::abs(own - constant) <= 4 * kEps * std::abs(constant))) return;
+      if (!(abs(own - constant) <= 4 * kEps * abs(constant))) return;
     }
     if (constant != 0) {
-      s_.constants.push_back(constant);
+      s_.constants.push_back(constant.value());
       slide.length.push_back({kOne, static_cast<Index>(s_.constants.size()) - 1});
     }
     norm_of_.erase(slide.u[0]);

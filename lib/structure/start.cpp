@@ -21,6 +21,8 @@
 #include "structure/assembly.hpp"
 #include "structure/block_names.hpp"
 #include "structure/dense_block.hpp"
+#include "structure/directions.hpp"
+#include "structure/frame_axes.hpp"
 #include "structure/freedoms.hpp"
 #include "structure/gearing.hpp"
 #include "structure/idle_parts.hpp"
@@ -32,7 +34,6 @@
 namespace assur {
 namespace {
 
-constexpr double kSkew = 1e-6;  // error of a frame's axes; a scene may give them with seven digits
 // rad or internal units, from the value of a driver in the scene to that of its law
 constexpr double kFarFromWritten = 0.1;
 constexpr double kAsWritten = 1e-9;        // rad or m: the drivers have their values in the posture as written
@@ -234,22 +235,16 @@ class Start {
     for (const Frame& f : s_.frames) {
       if (!out_.cannot_assemble.empty() || !out_.undetermined.empty()) return;
       if (is_idle(f)) continue;
-      Triple a[3];
-      for (std::size_t j = 0; j < 3; ++j) {
-        for (std::size_t k = 0; k < 3; ++k) a[j][k] = form_value<double>(s_, s_.items[idx(f.item[j])].form[k], p_.q);
-      }
+      const FrameAxes axes = frame_axes(s_, f, p_.q);
       const std::string body = "the frame of body " + s_.scene->bodies()[idx(f.body)].name;
-      if (!(triple::dot(triple::cross(a[0], a[1]), a[2]) > 0)) {
+      if (axes.mirrored) {
         out_.cannot_assemble =
             body + " was assembled as its mirror image; choose guesses of its vectors nearer to a right-handed frame";
         return;
       }
-      const Triple off = triple::subtract(triple::cross(a[0], a[1]), a[2]);
-      const double skew = std::max({triple::norm(off), std::abs(triple::dot(a[0], a[1])),
-                                    std::abs(triple::norm(a[0]) - 1), std::abs(triple::norm(a[1]) - 1)});
-      if (skew <= kSkew) continue;
+      if (axes.skew <= kSkew) continue;
       out_.cannot_assemble = body + " does not have perpendicular axes of length 1 in the start posture (error " +
-                             shortened(skew) + "); correct its fixed or driven vectors";
+                             shortened(axes.skew) + "); correct its fixed or driven vectors";
     }
   }
 
@@ -374,24 +369,14 @@ class DrivenStart {
     return "";
   }
 
-  // Angles need directions that have a length and are not parallel to the axis; else they drive nothing.
   void check_directions() {
-    for (const DriverInput& in : s_.inputs) {
-      const std::string why = why_undefined(s_, in, p_.q);
-      if (why.empty()) continue;
+    std::string why = undefined_driver(s_, p_.q);
+    if (!why.empty()) {
       out_.undetermined.clear();
-      out_.cannot_assemble = "driver " + name(in) + " has no angle in the start posture: " + why;
-      return;
+    } else if (out_.undetermined.empty()) {
+      why = wrong_axis(s_, p_.q);
     }
-    for (const MeasureForms& m : s_.measures) {
-      if (m.kind != MeasureForms::Kind::signed_angle || s_.dimension == 2 || !out_.undetermined.empty()) continue;
-      Triple axis;
-      for (std::size_t k = 0; k < 3; ++k) axis[k] = form_value<double>(s_, m.forms[6 + k], p_.q);
-      if (std::abs(triple::norm(axis) - 1) <= kSkew) continue;
-      out_.cannot_assemble = "the axis of measure " + m.name + " has length " + precise(triple::norm(axis)) +
-                             " in the start posture; it must be a unit vector";
-      return;
-    }
+    if (!why.empty()) out_.cannot_assemble = std::move(why);
   }
 
   // True if the item depends on an unknown.

@@ -6,6 +6,7 @@
 
 #include "index.hpp"
 #include "scene/lowering.hpp"
+#include "scene/tape.hpp"
 #include "structure/classes.hpp"
 #include "structure/cut.hpp"
 #include "structure/freedoms.hpp"
@@ -182,6 +183,8 @@ Structure analyze(const Scene& scene, const StructureOptions& options) {
   Problem p;
   Structure out;
   const auto assemble = [&] {
+    // In a solved posture, numbers that depend on each other may have the same bits as independent ones.
+    const Tape::Recording none(nullptr);
     p = {};
     p.unknowns = all_unknowns(s);
     p.q = at_start ? s.guess : options.posture;

@@ -264,21 +264,9 @@ int sweep(const Common& common, const SweepOptions& options) {
     refuse("--vary", "a parameter changes the time grid, which must be the same for all samples");
   };
   if (const std::optional<Scene> one = scene_or_none(scene_at, space.point(first))) check_grid(*one);
-  // The plan of the middle serves all samples of its structure. No sample needs to be like it.
-  std::optional<Prepared> like;
-  try {
-    like = prepare(scene, how);
-  } catch (const Error& e) {
-    if (e.kind() == Error::Kind::environment) throw;
-  }
-  const auto prepared_at = [&](const std::vector<double>& point) {
-    const Scene at = scene_at(point);
-    check_grid(at);
-    return like ? prepare_like(*like, at, how) : prepare(at, how);
-  };
   StepLimits limits;
   limits.stop = [] { return Interrupt::requested(); };
-  const sweep::Sweep sweep(space, prepared_at, columns, options.reduce, how.budget->threads, limits);
+  sweep::Sweep sweep(space, scene, how, columns, options.reduce, limits);
 
   std::optional<output::Replacement> html;
   if (!options.html.empty()) html.emplace("--html", options.html);
@@ -308,7 +296,7 @@ int sweep(const Common& common, const SweepOptions& options) {
     page.about = {sentence_of(tally, last - first),
                   "Shown: " + counted(static_cast<std::int64_t>(page.rows.size()), "sample") + "."};
     for (const Row& row : tally.best)
-      page.motions.push_back(moving_picture_of(prepared_at(row.parameters), how, as_run));
+      page.motions.push_back(moving_picture_of(prepare(scene_at(row.parameters), how), how, as_run));
     html->stream() << pictures::page_of(page);
     html->put();
   }

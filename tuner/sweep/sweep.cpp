@@ -1,15 +1,11 @@
 #include "sweep/sweep.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <charconv>
 #include <cmath>
-#include <exception>
-#include <optional>
 #include <utility>
 
 #include "numbers.hpp"
-#include "parallel/team.hpp"
 #include "scene/names.hpp"
 
 namespace assur::sweep {
@@ -39,17 +35,6 @@ double number_in(const std::string& text, const std::string& line) {
   return number;
 }
 
-// The prepared samples, or why they cannot be prepared.
-struct Attempts {
-  std::vector<std::optional<Prepared>> prepared;
-  std::vector<std::exception_ptr> errors;
-
-  Prepared take(std::size_t i) {
-    if (errors[i]) std::rethrow_exception(errors[i]);
-    return *std::exchange(prepared[i], std::nullopt);
-  }
-};
-
 }  // namespace
 
 const std::vector<std::string>& figure_names() {
@@ -57,66 +42,78 @@ const std::vector<std::string>& figure_names() {
   return kNames;
 }
 
-Sweep::Sweep(const DesignSpace& space, std::function<Prepared(const std::vector<double>&)> prepare,
-             std::vector<std::string> columns, std::vector<std::string> figures, int threads, StepLimits limits)
+Sweep::Sweep(const DesignSpace& space, Scene scene, PrepareOptions how, std::vector<std::string> columns,
+             std::vector<std::string> figures, StepLimits limits)
     : space_(space),
-      prepare_(std::move(prepare)),
+      scene_(std::move(scene)),
+      how_(std::move(how)),
       columns_(std::move(columns)),
       figures_(std::move(figures)),
-      threads_(threads),
       limits_(std::move(limits)) {}
 
-std::vector<Row> Sweep::block(std::int64_t b) const {
-  const std::int64_t first = b * kBlock;
-  const auto count = static_cast<std::size_t>(std::min(kBlock, space_.samples() - first));
-  std::vector<Row> rows(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    rows[i].sample = first + static_cast<std::int64_t>(i);
-    rows[i].parameters = space_.point(rows[i].sample);
+std::vector<double> Sweep::values_of(std::int64_t b) const {
+  std::vector<double> values;
+  for (std::int64_t k = b * kBlock; k < std::min((b + 1) * kBlock, space_.samples()); ++k) {
+    const std::vector<double> point = space_.point(k);
+    values.insert(values.end(), point.begin(), point.end());
+  }
+  return values;
+}
+
+Ensemble Sweep::make(std::vector<double> values) const {
+  std::vector<std::string> names;
+  for (const Range& r : space_.ranges()) names.push_back(r.name);
+  return {scene_, std::move(names), std::move(values), how_, limits_};
+}
+
+std::vector<Row> Sweep::block(std::int64_t b) {
+  const std::vector<double> values = values_of(b);
+  const std::size_t parameters = space_.ranges().size();
+  std::vector<Row> rows(values.size() / parameters);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const auto point = values.begin() + static_cast<std::ptrdiff_t>(i * parameters);
+    rows[i].sample = b * kBlock + static_cast<std::int64_t>(i);
+    rows[i].parameters.assign(point, point + static_cast<std::ptrdiff_t>(parameters));
     rows[i].status = Row::kNotAssembled;
     rows[i].reached = kNan;
     rows[i].figures.assign(columns_.size() * figures_.size(), kNan);
   }
-  Attempts attempts{std::vector<std::optional<Prepared>>(count), std::vector<std::exception_ptr>(count)};
-  std::atomic<std::size_t> next = 0;
-  Team team(threads_);
-  team.run([&](int) {
-    for (std::size_t i; (i = next++) < count;) {
-      if (limits_.stop && limits_.stop()) return;
-      try {
-        attempts.prepared[i] = prepare_(rows[i].parameters);
-      } catch (...) {
-        attempts.errors[i] = std::current_exception();
-      }
-    }
-  });
-  const auto stopped = [&] { return limits_.stop && limits_.stop(); };
-  if (stopped()) return {};
+  const auto none_can_be_prepared = [](const Error& e) { return e.kind() != Error::Kind::environment; };
   try {
-    Ensemble ensemble(
-        count, [&](std::size_t i) { return attempts.take(i); }, limits_);
-    const EnsembleSummary summary =
-        ensemble.summarize(columns_, [&](std::int64_t, std::int64_t) { return !stopped(); });
-    if (stopped()) return {};
-    for (std::size_t i = 0; i < count; ++i) {
-      const Ensemble::Outcome& outcome = ensemble.outcomes()[i];
-      rows[i].why = outcome.cannot;
-      if (!outcome.cannot.empty()) continue;
-      rows[i].status = name(outcome.status.code);
-      rows[i].reached = outcome.reached;
-      for (std::size_t c = 0; c < columns_.size(); ++c) {
-        for (std::size_t f = 0; f < figures_.size(); ++f) {
-          rows[i].figures[c * figures_.size() + f] = figure_of(summary(i, c), figures_[f]);
-        }
-      }
+    if (!std::exchange(is_made_, true)) ensemble_.emplace(make(values_of(0)));
+  } catch (const Error& e) {
+    if (!none_can_be_prepared(e)) throw;
+  }
+  try {
+    if (ensemble_) {
+      ensemble_->bind(values);
+      run(*ensemble_, rows);
+    } else {
+      Ensemble own = make(values);
+      run(own, rows);
     }
   } catch (const Error& e) {
-    const bool none_is_prepared =
-        std::all_of(attempts.errors.begin(), attempts.errors.end(), [](const auto& error) { return error != nullptr; });
-    if (e.kind() == Error::Kind::environment || !none_is_prepared) throw;
+    if (ensemble_ || !none_can_be_prepared(e)) throw;
     for (Row& row : rows) row.why = e.what();  // the first reason
   }
-  return rows;
+  return limits_.stop && limits_.stop() ? std::vector<Row>() : rows;
+}
+
+void Sweep::run(Ensemble& ensemble, std::vector<Row>& rows) {
+  const EnsembleSummary summary =
+      ensemble.summarize(columns_, [&](std::int64_t, std::int64_t) { return !(limits_.stop && limits_.stop()); });
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const Ensemble::Outcome& outcome = ensemble.outcomes()[i];
+    rows[i].why = outcome.cannot;
+    if (!outcome.cannot.empty()) continue;
+    rows[i].status = name(outcome.status.code);
+    rows[i].reached = outcome.reached;
+    for (std::size_t c = 0; c < columns_.size(); ++c) {
+      for (std::size_t f = 0; f < figures_.size(); ++f) {
+        rows[i].figures[c * figures_.size() + f] = figure_of(summary(i, c), figures_[f]);
+      }
+    }
+  }
 }
 
 std::vector<std::string> Sweep::figures() const {

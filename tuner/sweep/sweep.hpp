@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -33,15 +33,15 @@ class Sweep {
  public:
   // Samples in a block. Blocks begin at multiples of it, wherever a range begins: the members of a pack, and with them
   // the last bits of a row, are the same for every range.
-  static constexpr std::int64_t kBlock = 256;
+  static constexpr std::int64_t kBlock = 1024;
 
-  // prepare: makes the mechanism of a sample; called by several threads. columns, figures: what is kept.
-  Sweep(const DesignSpace& space, std::function<Prepared(const std::vector<double>&)> prepare,
-        std::vector<std::string> columns, std::vector<std::string> figures, int threads, StepLimits limits);
+  // scene: has the parameters of the space. columns, figures: what is kept.
+  Sweep(const DesignSpace& space, Scene scene, PrepareOptions how, std::vector<std::string> columns,
+        std::vector<std::string> figures, StepLimits limits);
 
   // The samples from b * kBlock on. Empty if limits.stop asked to stop. Throws as Ensemble, but not for samples that
   // cannot be prepared.
-  [[nodiscard]] std::vector<Row> block(std::int64_t b) const;
+  [[nodiscard]] std::vector<Row> block(std::int64_t b);
 
   // The names of Row::figures: "handle1.max", ...
   [[nodiscard]] std::vector<std::string> figures() const;
@@ -54,11 +54,19 @@ class Sweep {
   [[nodiscard]] Row parse(const std::string& line) const;
 
  private:
+  [[nodiscard]] Ensemble make(std::vector<double> values) const;
+  [[nodiscard]] std::vector<double> values_of(std::int64_t b) const;
+  void run(Ensemble& ensemble, std::vector<Row>& rows);
+
   const DesignSpace& space_;
-  std::function<Prepared(const std::vector<double>&)> prepare_;
+  Scene scene_;
+  PrepareOptions how_;
   std::vector<std::string> columns_, figures_;
-  int threads_;
   StepLimits limits_;
+  // Made with the first block, whatever range is asked for, so that a row does not depend on the range. Empty: none of
+  // its samples can be prepared, so that each block makes its own.
+  std::optional<Ensemble> ensemble_;
+  bool is_made_ = false;
 };
 
 }  // namespace assur::sweep

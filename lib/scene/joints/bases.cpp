@@ -54,7 +54,7 @@ void Expansion::choose_base(std::size_t s) {
   if (second != all.end()) base.push_back(*second);
   if (in_space() && base.size() == 2) {
     const Triple along = way(base[1]);
-    const auto apart = [&](std::size_t i) { return is_distinct(i) ? sine(along, way(i)) : 0; };
+    const auto apart = [&](std::size_t i) { return is_distinct(i) ? sine(along, way(i)) : Number(0); };
     auto third = std::find_if(all.begin(), all.end(), [&](std::size_t i) { return apart(i) > kWellApart; });
     if (third == all.end()) {
       third =
@@ -69,27 +69,27 @@ void Expansion::choose_base(std::size_t s) {
   settle(s, base);
 }
 
-double Expansion::width(const std::vector<std::size_t>& base) const {
+Number Expansion::width(const std::vector<std::size_t>& base) const {
   const auto way = [&](std::size_t from, std::size_t to) {
     return features_[base[to]].is_point ? minus(features_[base[to]].at, features_[base[from]].at)
                                         : features_[base[to]].at;
   };
-  if (base.size() < 3) return base.size() < 2 ? 0 : triple::norm(way(0, 1));
-  const double area = triple::norm(triple::cross(way(0, 1), way(0, 2)));
+  if (base.size() < 3) return base.size() < 2 ? Number(0) : recorded::norm(way(0, 1));
+  const Number area = recorded::norm(recorded::cross(way(0, 1), way(0, 2)));
   if (!features_[base[1]].is_point || !features_[base[2]].is_point) return area;
-  return area / std::max({triple::norm(way(0, 1)), triple::norm(way(0, 2)), triple::norm(way(1, 2))});
+  return area / std::max({recorded::norm(way(0, 1)), recorded::norm(way(0, 2)), recorded::norm(way(1, 2))});
 }
 
 void Expansion::widen(std::vector<std::size_t>& base, const std::vector<std::size_t>& all,
                       const std::function<bool(std::size_t, std::size_t)>& are_equal) const {
-  double widest = width(base);
+  Number widest = width(base);
   for (bool changed = true; changed;) {
     changed = false;
     for (std::size_t k = 0; k < base.size(); ++k) {
       for (const std::size_t i : all) {
         if (!are_equal(i, base[k]) || std::find(base.begin(), base.end(), i) != base.end()) continue;
         const std::size_t before = std::exchange(base[k], i);
-        if (const double other = width(base); other > kWider * widest) {
+        if (const Number other = width(base); other > kWider * widest) {
           widest = other;
           changed = true;
         } else {

@@ -20,8 +20,8 @@
 #include "numbers.hpp"
 #include "scene/joints/joints.hpp"
 #include "scene/names.hpp"
+#include "scene/recorded.hpp"
 #include "scene/symbols.hpp"
-#include "scene/triple.hpp"
 
 namespace assur::joints {
 
@@ -37,10 +37,10 @@ inline constexpr std::size_t kSearched = 1000;  // features of a body among whic
 inline constexpr int kNobody = -1;
 inline constexpr Index kLast = std::numeric_limits<Index>::max();
 
-inline Triple unit(const Triple& a) { return triple::scale(1 / triple::norm(a), a); }
-inline Triple minus(const Triple& a, const Triple& b) { return triple::subtract(a, b); }
-inline double sine(const Triple& a, const Triple& b) {
-  return triple::norm(triple::cross(a, b)) / (triple::norm(a) * triple::norm(b));
+using recorded::unit;
+inline Triple minus(const Triple& a, const Triple& b) { return recorded::subtract(a, b); }
+inline Number sine(const Triple& a, const Triple& b) {
+  return recorded::norm(recorded::cross(a, b)) / (recorded::norm(a) * recorded::norm(b));
 }
 
 template <class... Visitors>
@@ -55,11 +55,11 @@ inline Triple across(const Triple& axis, int dimension) {
   if (dimension == 2) return {1, 0, 0};
   std::size_t least = 0;
   for (std::size_t k = 1; k < 3; ++k) {
-    if (std::abs(axis[k]) < std::abs(axis[least])) least = k;
+    if (abs(Number(axis[k])) < abs(Number(axis[least]))) least = k;
   }
   Triple e{};
   e[least] = 1;
-  return unit(triple::cross(axis, e));
+  return unit(recorded::cross(axis, e));
 }
 
 // A point or vector that may be shared by bodies. Until the bases are chosen, no body determines it.
@@ -161,7 +161,7 @@ class Expansion {
 
   // ---- sliding (sharing.cpp)
   [[nodiscard]] bool is_same(const Triple& a, const Triple& b, double share = kSame) const {
-    return triple::norm(minus(a, b)) <= share * std::max(triple::norm(a), triple::norm(b));
+    return recorded::norm(minus(a, b)) <= share * std::max(recorded::norm(a), recorded::norm(b));
   }
   [[nodiscard]] bool is_on_line(const Feature& f, const Triple& at, const Triple& axis, double share = kSame) const;
   // The sliding point belongs to the second body; takes an existing point if possible.
@@ -198,7 +198,7 @@ class Expansion {
   void drive_angle(const Driver& d, const Joint& j);
   [[nodiscard]] std::size_t point_of(const Revolute& r, const Joint& j) const;
   // A typical length of the mechanism: the median of distances from here.
-  [[nodiscard]] double arm_length(const Triple& at) const;
+  [[nodiscard]] Number arm_length(const Triple& at) const;
   // A direction across the axis, if possible along two points of the body.
   [[nodiscard]] Triple arm_direction(int solid, const Triple& axis) const;
   // A direction on each body; the two coincide in the posture as written.
@@ -220,7 +220,7 @@ class Expansion {
   void choose_base(std::size_t s);
   // How far the features of a base are apart: of three points, the smallest height of their triangle. A base whose
   // points are close to each other makes groups badly conditioned, so that their steps need more tests of the branch.
-  [[nodiscard]] double width(const std::vector<std::size_t>& base) const;
+  [[nodiscard]] Number width(const std::vector<std::size_t>& base) const;
   // Exchanges points of a base for equal ones of the body as long as it gets wider.
   void widen(std::vector<std::size_t>& base, const std::vector<std::size_t>& all,
              const std::function<bool(std::size_t, std::size_t)>& are_equal) const;

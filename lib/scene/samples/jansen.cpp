@@ -1,10 +1,14 @@
-#include <cmath>
 #include <string>
 
 #include "scene/samples.hpp"
 #include "scene/samples/geometry.hpp"
 
 namespace assur::samples {
+namespace {
+
+Triple values_of(const Number& x, const Number& y) { return values({x, y, 0}); }
+
+}  // namespace
 
 // Legs of Theo Jansen's walking machine on one crank shaft, in pairs: the left leg of a pair mirrors the right one. The
 // cranks of the pairs are spread evenly over a turn. La to Lm are the lengths a to m that Jansen published as his "holy
@@ -12,20 +16,20 @@ namespace assur::samples {
 // explained.
 Scene jansen(const Values& values) {
   const int pairs = values.count("legs") / 2;
-  const auto length = [&](char letter) { return values[std::string("L") + letter]; };
-  const double a = length('a'), b = length('b'), c = length('c'), d = length('d'), e = length('e'), f = length('f'),
+  const auto length = [&](char letter) { return Number(values[std::string("L") + letter]); };
+  const Number a = length('a'), b = length('b'), c = length('c'), d = length('d'), e = length('e'), f = length('f'),
                g = length('g'), h = length('h'), i = length('i'), j = length('j'), k = length('k'), l = length('l'),
                m = length('m');
   // The upper triangle b d e and the lower one g h i, seen along b and g.
-  const double upper_x = (b * b + d * d - e * e) / (2 * b), upper_y = std::sqrt(d * d - upper_x * upper_x);
-  const double lower_x = (g * g + i * i - h * h) / (2 * g), lower_y = std::sqrt(i * i - lower_x * lower_x);
+  const Number upper_x = (b * b + d * d - e * e) / (2 * b), upper_y = sqrt(d * d - upper_x * upper_x);
+  const Number lower_x = (g * g + i * i - h * h) / (2 * g), lower_y = sqrt(i * i - lower_x * lower_x);
 
   SceneBuilder builder("jansen", 2);
   builder.fixed_point("O", {0, 0, 0})
-      .fixed_point("PR", {a, -l, 0})
-      .fixed_point("PL", {-a, -l, 0})
-      .point("X", {m, 0, 0});
-  builder.constrain("crank", Distance{"O", "X", m});
+      .fixed_point("PR", values_of(a, -l))
+      .fixed_point("PL", values_of(-a, -l))
+      .point("X", values_of(m, 0));
+  builder.constrain("crank", Distance{"O", "X", m.value()});
   builder.drive("motor", PointAngle{"O", "X", "", Law::polynomial({0, values["omega"]})});
   Body shaft{"shaft", "", {}, {"O", "X"}, {}, {}};
   for (int pair = 1; pair <= pairs; ++pair) {
@@ -37,21 +41,27 @@ Scene jansen(const Values& values) {
       const std::string leg = side + std::to_string(pair), pivot_name = std::string("P") + side;
       const auto named = [&](const char* name) { return name + leg; };
       // The left leg mirrors the right leg, so that left and right of a line are exchanged.
-      const auto joint = [&](const Triple& P, double p, const Triple& Q, double q) {
+      const auto joint = [&](const Triple& P, const Number& p, const Triple& Q, const Number& q) {
         return right ? meet(P, p, Q, q) : meet(Q, q, P, p);
       };
-      const Triple pivot = {right ? a : -a, -l, 0}, upper = {upper_x, right ? -upper_y : upper_y, 0};
+      const Triple pivot = values_of(right ? a : -a, -l), upper = values_of(upper_x, right ? -upper_y : upper_y);
       const Triple top = joint(pin, j, pivot, b), knee = joint(pivot, c, pin, k), u = unit(top - pivot);
-      const Triple D = pivot + upper[0] * u + upper[1] * Triple{-u[1], u[0], 0};
+      const Triple D = pivot + upper[0] * u + upper[1] * values_of(-Number(u[1]), u[0]);
       const Triple shin = joint(D, f, knee, g);
       const std::string T = named("T"), K = named("K"), S = named("S"), D_name = named("D");
       builder.point(T, top).point(K, knee).point(S, shin);
       builder.add(Body{named("upper"), "", {}, {pivot_name, T}, {{D_name, upper}}, {}});
       builder.add(
-          Body{named("lower"), "", {}, {K, S}, {{named("foot"), {lower_x, right ? -lower_y : lower_y, 0}}}, {}});
-      builder.constrain(named("j"), Distance{pin_name, T, j}).constrain(named("b"), Distance{pivot_name, T, b});
-      builder.constrain(named("k"), Distance{pin_name, K, k}).constrain(named("c"), Distance{pivot_name, K, c});
-      builder.constrain(named("f"), Distance{D_name, S, f}).constrain(named("g"), Distance{K, S, g});
+          Body{named("lower"), "", {}, {K, S}, {{named("foot"), values_of(lower_x, right ? -lower_y : lower_y)}}, {}});
+      const auto rod = [&](const char* name, const std::string& P, const std::string& Q, const Number& length_of) {
+        builder.constrain(named(name), Distance{P, Q, length_of.value()});
+      };
+      rod("j", pin_name, T, j);
+      rod("b", pivot_name, T, b);
+      rod("k", pin_name, K, k);
+      rod("c", pivot_name, K, c);
+      rod("f", D_name, S, f);
+      rod("g", K, S, g);
       builder.output(named("foot"));
     }
   }

@@ -1,5 +1,3 @@
-#include <cmath>
-
 #include "scene/samples.hpp"
 #include "scene/samples/geometry.hpp"
 
@@ -10,12 +8,13 @@ namespace assur::samples {
 // lengths and no offset, two branches cross where C reaches O.
 Scene slider_crank(const Values& values) {
   const double crank = values["crank_length"], rod = values["rod_length"], offset = values["offset"];
+  const Number reach = crank + sqrt(Number(rod) * rod - Number(offset) * offset);
   return SceneBuilder("slider_crank", 2)
       .fixed_point("O", {0, 0, 0})
       .fixed_point("Q", {0, offset, 0})
       .fixed_vector("rail", {1, 0, 0})
       .point("B", {crank, 0, 0})
-      .point("C", {crank + std::sqrt(rod * rod - offset * offset), offset, 0})
+      .point("C", {reach.value(), offset, 0})
       .constrain("crank", Distance{"O", "B", crank})
       .constrain("rod", Distance{"B", "C", rod})
       .constrain("slide", OnLine{"C", "Q", "rail"})

@@ -13,7 +13,7 @@ namespace assur::samples {
 Scene whitworth(const Values& values) {
   const double crank = 0.1, pivot = values["pivot"];
   const Axes tilted = euler_zyx(0.3, 0.4, 0.5);
-  const double side = pivot > crank ? -1 : 1;  // side of Q on which B starts
+  const double side = Number(pivot) > crank ? -1 : 1;  // side of Q on which B starts
 
   SceneBuilder builder("whitworth", 3);
   builder.fixed_point("O", {0, 0, 0})

@@ -1,0 +1,61 @@
+// How the numbers of a system follow from the values of parameters.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "assur/law.hpp"
+#include "scene/replay.hpp"
+#include "scene/system.hpp"
+#include "scene/tape.hpp"
+
+namespace assur {
+
+class Recipe {
+ public:
+  // The numbers of `system` that are on the tape. why_not: receives the reason if they cannot be computed again.
+  Recipe(const Tape& tape, const System& system, std::string& why_not);
+
+  // Computes the numbers; wanted(i) of a replay has the i-th one.
+  [[nodiscard]] const std::vector<Tape::Node>& wanted() const { return nodes_; }
+
+  // True if numbers of outputs, of laws, or of assignments are among them.
+  [[nodiscard]] bool has_outputs() const { return has_outputs_; }
+  [[nodiscard]] bool has_laws() const { return !laws_.empty(); }
+  [[nodiscard]] bool has_assignments() const { return has_assignments_; }
+
+  // Places in a copy of the system that receive the numbers.
+  class Target {
+   public:
+    Target(const Recipe& recipe, System& system);
+    // Sets the numbers that a replay has computed for a lane.
+    void set(const Replay& replay, std::size_t lane);
+
+   private:
+    struct OfLaw {
+      Law* law;
+      std::vector<Law::Part> parts;
+      std::vector<double*> numbers;
+    };
+    std::vector<double*> numbers_;
+    std::vector<OfLaw> laws_;
+  };
+
+  // True if both systems of one structure have the same numbers, but for rounding.
+  [[nodiscard]] static bool same_numbers(const System& a, const System& b);
+
+ private:
+  struct OfLaw {
+    std::size_t input, law;
+    std::vector<std::size_t> numbers;  // in the order of each_number() of its parts
+  };
+  std::vector<std::size_t> numbers_;  // in the order of each_number() of the system
+  std::vector<OfLaw> laws_;
+  std::vector<Tape::Node> nodes_;  // of numbers_, then of the numbers of laws_
+  bool has_outputs_ = false, has_assignments_ = false;
+};
+
+}  // namespace assur

@@ -1,0 +1,361 @@
+#include "side_by_side/value_table.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <random>
+#include <unordered_set>
+#include <utility>
+
+#include "assur/ensemble.hpp"
+#include "index.hpp"
+#include "scene/names.hpp"
+#include "scene/residual_scale.hpp"
+#include "scene/scene_source.hpp"
+#include "structure/assembly.hpp"
+#include "structure/directions.hpp"
+#include "structure/frame_axes.hpp"
+#include "structure/same_structure.hpp"
+
+namespace assur {
+namespace {
+
+constexpr std::size_t kMostRecorded = 8;   // members at which the computation may be recorded
+constexpr std::size_t kMostVerified = 16;  // members at which a recorded computation may be checked
+constexpr std::size_t kEnoughVerified = 3;
+
+constexpr double kAsGuessed = 1e-12;  // internal units
+
+bool same_bits(double a, double b) { return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b); }
+
+// The reason why members of this structure cannot be bound; "": they can.
+std::string why_prepared_alone(const Prepared& p) {
+  const Structure& s = *p.structure;
+  if (!s.system->callbacks.empty()) return "the scene has functions of the program or gears";
+  for (const DriverInput& in : s.system->inputs) {
+    for (const Law& law : in.laws) {
+      const auto& parts = law.parts();
+      if (std::any_of(parts.begin(), parts.end(),
+                      [](const Law::Part& part) { return std::holds_alternative<Law::Function>(part); })) {
+        return "the scene has functions of the program";
+      }
+    }
+  }
+  if (!s.redundant.empty() || !s.checks.empty()) return "the scene has redundant equations";
+  return "";
+}
+
+// True if two mechanisms of one structure also have the same times and outputs.
+bool alike(const Prepared& a, const Prepared& b) {
+  return same_structure(*a.structure, *b.structure) && a.structure->system->outputs == b.structure->system->outputs &&
+         same_bits(a.time.start, b.time.start);
+}
+
+}  // namespace
+
+// Replays the recorded computation for the members in the lanes.
+class ValueTable::Binder : public MemberBinder {
+ public:
+  Binder(const ValueTable& table, std::size_t lanes) : table_(table), replay_(*table.tape_, table.recipe_->wanted(), lanes) {
+    const Structure& structure = *table.structure_;
+    near_.reserve(structure.system->coordinates.size());
+    for (const Group& g : structure.groups) near_.insert(near_.end(), g.unknowns.begin(), g.unknowns.end());
+    lanes_.reserve(lanes);
+    for (std::size_t l = 0; l < lanes; ++l) lanes_.emplace_back(table);
+    from_guess_ = near_;
+    find_frames(structure);
+    find_static_equations(structure);
+    parameters_.resize(lanes * table.varying_.size());
+    pointers_.resize(lanes);
+    for (std::size_t l = 0; l < lanes; ++l) pointers_[l] = parameters_.data() + l * table.varying_.size();
+  }
+
+  void bind(std::span<const std::size_t> members, std::span<const Variant*> variants) override {
+    for (std::size_t l = 0; l < members.size(); ++l) {
+      const auto row = table_.row(members[l]);
+      double* const to = parameters_.data() + l * table_.varying_.size();
+      for (std::size_t k = 0; k < table_.varying_.size(); ++k) to[k] = row[table_.varying_[k]];
+    }
+    replay_.run(std::span(pointers_).first(members.size()));
+    for (std::size_t l = 0; l < members.size(); ++l) {
+      variants[l] = nullptr;
+      if (!replay_.holds(l) || !table_.has_constants(members[l])) continue;
+      lanes_[l].set(replay_, l, from_guess_);
+      if (static_parts_hold(lanes_[l])) variants[l] = &lanes_[l].variant;
+    }
+  }
+
+  [[nodiscard]] bool is_start(const Variant& guess, std::span<const double> posture) const override {
+    // In the plane, every lever that stays positive determines its angle.
+    const System& s = *guess.system;
+    if (s.dimension == 3 && !(undefined_driver(s, posture).empty() && wrong_axis(s, posture).empty())) return false;
+    const auto is_near = [&](Index c) { return std::abs(posture[idx(c)] - guess.posture[idx(c)]) <= kNearGuess; };
+    return std::all_of(near_.begin(), near_.end(), is_near) &&
+           std::all_of(frames_.begin(), frames_.end(), [&](std::size_t f) {
+             const FrameAxes axes = frame_axes(*guess.system, guess.system->frames[f], posture);
+             return !axes.mirrored && axes.skew <= kSkew;
+           });
+  }
+
+ private:
+  // The system of a lane, whose numbers are those of its member.
+  struct Lane {
+    explicit Lane(const ValueTable& table)
+        : system(std::make_shared<System>(*table.structure_->system)),
+          target(*table.recipe_, *system),
+          variant{system,
+                  table.structure_->start,
+                  table.first_->time.start,
+                  {},
+                  {},
+                  Variant::Changes{table.recipe_->has_outputs(), table.recipe_->has_laws(),
+                                   table.recipe_->has_assignments()}} {}
+
+    void set(const Replay& replay, std::size_t lane, std::span<const Index> unknowns) {
+      target.set(replay, lane);
+      for (const Index c : unknowns) variant.posture[idx(c)] = system->guess[idx(c)];
+    }
+
+    std::shared_ptr<System> system;
+    Recipe::Target target;
+    Variant variant;
+  };
+
+  // Equations between coordinates that are at rest. They are not solved in the lanes: such a coordinate is where its
+  // guess is, if that is where it was assembled, or where it was at the recorded member.
+  void find_static_equations(const Structure& structure) {
+    const System& s = *structure.system;
+    std::vector<std::uint8_t> is_static(s.coordinates.size(), 0);
+    for (const Index c : structure.static_coordinates) {
+      is_static[idx(c)] = 1;
+      if (std::abs(structure.start[idx(c)] - s.guess[idx(c)]) <= kAsGuessed) from_guess_.push_back(c);
+    }
+    std::vector<Index> mentioned;
+    for (Index e = 0; e < static_cast<Index>(s.equations.size()); ++e) {
+      s.mentioned(e, mentioned);
+      const bool rests = std::all_of(mentioned.begin(), mentioned.end(), [&](Index c) {
+        return is_static[idx(c)] != 0 || s.coordinates[idx(c)].role != Role::unknown;
+      });
+      if (rests && std::any_of(mentioned.begin(), mentioned.end(), [&](Index c) { return is_static[idx(c)] != 0; })) {
+        static_equations_.push_back(e);
+      }
+    }
+  }
+
+  [[nodiscard]] bool static_parts_hold(Lane& lane) const {
+    if (static_equations_.empty()) return true;
+    Variant& v = lane.variant;
+    if (!drive(*v.system, v.time, v.posture.data(), nullptr, nullptr).ok()) return false;
+    return std::all_of(static_equations_.begin(), static_equations_.end(), [&](Index e) {
+      const double scale = residual_scale(*v.system, e, v.posture);
+      return std::abs(residual<double>(*v.system, e, v.posture)) <= kSatisfied * scale;
+    });
+  }
+
+  // Frames of which all coordinates are computed.
+  void find_frames(const Structure& structure) {
+    const System& s = *structure.system;
+    std::vector<std::uint8_t> computed(s.coordinates.size(), 0);
+    for (std::size_t c = 0; c < computed.size(); ++c) computed[c] = s.coordinates[c].role != Role::unknown;
+    for (const Index c : near_) computed[idx(c)] = 1;
+    for (std::size_t f = 0; f < s.frames.size(); ++f) {
+      const auto& items = s.frames[f].item;
+      const bool all = std::all_of(std::begin(items), std::end(items), [&](Index item) {
+        const auto& forms = s.items[idx(item)].form;
+        return std::all_of(std::begin(forms), std::end(forms), [&](Index form) {
+          const auto terms = s.form(form);
+          return std::all_of(terms.begin(), terms.end(), [&](const Term& t) { return computed[idx(t.coordinate)] != 0; });
+        });
+      });
+      if (all) frames_.push_back(f);
+    }
+  }
+
+  const ValueTable& table_;
+  Replay replay_;
+  std::vector<Index> near_;           // unknowns of the groups
+  std::vector<std::size_t> frames_;   // indices into System::frames
+  std::vector<Index> from_guess_;     // coordinates that begin at their guess
+  std::vector<Index> static_equations_;
+  std::vector<Lane> lanes_;
+  std::vector<double> parameters_;    // lanes x varying columns
+  std::vector<const double*> pointers_;  // lanes
+};
+
+ValueTable::ValueTable(const Scene& scene, std::vector<std::string> names, std::vector<double> values,
+                       const PrepareOptions& options)
+    : scene_(scene), names_(std::move(names)), values_(std::move(values)), options_(options) {
+  if (names_.empty()) throw Error(Error::Kind::input, "a table of values needs at least one name");
+  std::unordered_set<std::string_view> seen;
+  for (const std::string& name : names_) {
+    if (!seen.insert(name).second) throw Error(Error::Kind::input, in_quotes(name) + " names two columns of the table");
+  }
+  SceneSource::check_names(scene_, names_);
+  check_size(values_.size());
+  prepare_first();
+  record();
+}
+
+void ValueTable::check_size(std::size_t values) const {
+  if (values > 0 && values % names_.size() == 0) return;
+  throw Error(Error::Kind::input, "a table with " + std::to_string(names_.size()) +
+                                      " names needs as many values for each member, and at least one member; " +
+                                      std::to_string(values) + " values are no whole rows");
+}
+
+Prepared ValueTable::prepare(std::span<const double> row) const {
+  Parameters values;
+  for (std::size_t k = 0; k < names_.size(); ++k) values.emplace(names_[k], row[k]);
+  const Scene scene = scene_.with_values(values);
+  return first_ ? prepare_like(*first_, scene, options_) : assur::prepare(scene, options_);
+}
+
+void ValueTable::prepare_first() {
+  std::optional<Error> first_error;
+  for (std::size_t i = 0; i < count() && !first_; ++i) {
+    try {
+      first_ = prepare(i);
+    } catch (const Error& e) {
+      if (e.kind() == Error::Kind::environment) throw;
+      if (!first_error) first_error = e;
+    }
+  }
+  if (!first_) throw Error(*first_error);
+}
+
+// True if the columns that the computation does not vary have their recorded values.
+bool ValueTable::has_constants(std::size_t member) const {
+  const auto here = row(member);
+  std::size_t v = 0;
+  for (std::size_t k = 0; k < here.size(); ++k) {
+    if (v < varying_.size() && varying_[v] == k) {
+      ++v;
+    } else if (!same_bits(here[k], recorded_[k])) {
+      return false;
+    }
+  }
+  return true;
+}
+
+// A point between a member and the mean of all, with random last digits: `from` to `to` of the way.
+std::vector<double> ValueTable::between(std::size_t member, double from, double to) const {
+  std::mt19937_64 random(member);
+  std::uniform_real_distribution<double> part(from, to);
+  std::vector<double> point = recorded_;
+  for (const std::size_t k : varying_) {
+    const double here = row(member)[k];
+    point[k] = here + part(random) * (means_[k] - here);
+    if (point[k] == here) point[k] = here + part(random) * std::max(std::abs(here), 1.0) * from;
+  }
+  return point;
+}
+
+void ValueTable::record() {
+  why_not_ = why_prepared_alone(*first_);
+  if (!why_not_.empty()) return;
+  recorded_.assign(row(0).begin(), row(0).end());
+  means_.assign(names_.size(), 0);
+  std::vector<std::uint8_t> varies(names_.size(), 0);
+  for (std::size_t i = 0; i < values_.size(); ++i) {
+    const std::size_t k = i % names_.size();
+    means_[k] += values_[i] / static_cast<double>(count());
+    if (!same_bits(values_[i], recorded_[k])) varies[k] = 1;
+  }
+  varying_.clear();
+  for (std::size_t k = 0; k < names_.size(); ++k) {
+    if (varies[k] != 0) varying_.push_back(k);
+  }
+  const std::size_t stride = std::max<std::size_t>(count() / kMostRecorded, 1);
+  for (std::size_t i = 0; i < count(); i += stride) {
+    if (record_at(i)) return;
+    if (!why_not_.empty()) return;
+  }
+  why_not_ = "no member was found from whose equations those of the others follow";
+}
+
+// False if the mechanism near this member is not like the first one.
+bool ValueTable::record_at(std::size_t member) {
+  constexpr double kFrom = 1e-4, kTo = 2e-4;
+  const std::vector<double> point = between(member, kFrom, kTo);
+  std::vector<double> parameters;
+  for (const std::size_t k : varying_) parameters.push_back(point[k]);
+  tape_ = std::make_unique<Tape>(parameters);
+  try {
+    const Tape::Recording recording(tape_.get());
+    const Prepared p = prepare(point);
+    if (!alike(*first_, p)) return false;
+    if (tape_->find(p.time.start) != Tape::kNone) {
+      why_not_ = "the start time depends on the values";
+      return false;
+    }
+    structure_ = p.structure;
+  } catch (const Error& e) {
+    if (e.kind() == Error::Kind::environment) throw;
+    return false;
+  }
+  recipe_.emplace(*tape_, *structure_->system, why_not_);
+  return why_not_.empty() && is_verified();
+}
+
+// Compares the recorded computation with the real one at other points. A number that was computed in plain double was
+// not recorded.
+bool ValueTable::is_verified() {
+  std::size_t same = 0;
+  const auto take = [&](std::span<const double> row) {
+    switch (check(row)) {
+      case Check::same:
+        ++same;
+        return true;
+      case Check::does_not_apply:
+        return true;
+      case Check::differs:
+        break;
+    }
+    why_not_ = "numbers of the scene depend on the values in a way that cannot be repeated without the scene";
+    return false;
+  };
+  const std::size_t stride = std::max<std::size_t>(count() / kMostVerified, 1);
+  for (std::size_t i = count(); i > 0 && same < kEnoughVerified; i -= std::min(stride, i)) {
+    if (!take(between(i - 1, 0.01, 0.5)) || !take(row(i - 1))) return false;
+  }
+  return same > 0;
+}
+
+ValueTable::Check ValueTable::check(std::span<const double> row) const {
+  std::vector<double> parameters;
+  for (const std::size_t k : varying_) parameters.push_back(row[k]);
+  Replay replay(*tape_, recipe_->wanted(), 1);
+  const double* const pointer = parameters.data();
+  replay.run({&pointer, 1});
+  if (!replay.holds(0)) return Check::does_not_apply;
+  System replayed = *structure_->system;
+  Recipe::Target(*recipe_, replayed).set(replay, 0);
+  try {
+    const Prepared p = prepare(row);
+    const System& real = *p.structure->system;
+    if (!alike(*first_, p) || real.length_exponent != replayed.length_exponent) return Check::does_not_apply;
+    return Recipe::same_numbers(replayed, real) ? Check::same : Check::differs;
+  } catch (const Error& e) {
+    if (e.kind() == Error::Kind::environment) throw;
+    return Check::does_not_apply;
+  }
+}
+
+std::unique_ptr<MemberBinder> ValueTable::binder(std::size_t lanes) const {
+  return std::make_unique<Binder>(*this, lanes);
+}
+
+// Whether members can be bound does not depend on the order of tables, unless a column that did not vary now does.
+bool ValueTable::take(std::vector<double> values) {
+  check_size(values.size());
+  values_ = std::move(values);
+  if (!recipe_ || has_constants(0)) return false;
+  record();
+  return true;
+}
+
+Ensemble::Ensemble(const Scene& scene, std::vector<std::string> names, std::vector<double> values,
+                   const PrepareOptions& options, StepLimits limits)
+    : Ensemble(std::make_unique<ValueTable>(scene, std::move(names), std::move(values), options), limits) {}
+
+}  // namespace assur

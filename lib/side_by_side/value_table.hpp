@@ -1,0 +1,62 @@
+// Members of an ensemble as rows of a table: a scene with other values of its parameters.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "assur/plan.hpp"
+#include "assur/scene.hpp"
+#include "scene/replay.hpp"
+#include "side_by_side/bound_members.hpp"
+#include "side_by_side/recipe.hpp"
+
+namespace assur {
+
+class ValueTable : public BoundMembers {
+ public:
+  // As the constructor of Ensemble.
+  ValueTable(const Scene& scene, std::vector<std::string> names, std::vector<double> values,
+             const PrepareOptions& options);
+
+  [[nodiscard]] std::size_t count() const override { return values_.size() / names_.size(); }
+  [[nodiscard]] const Prepared& first() const override { return *first_; }
+  [[nodiscard]] const std::string& why_not() const override { return why_not_; }
+  [[nodiscard]] std::unique_ptr<MemberBinder> binder(std::size_t lanes) const override;
+  [[nodiscard]] Prepared prepare(std::size_t member) const override { return prepare(row(member)); }
+  bool take(std::vector<double> values) override;
+
+ private:
+  class Binder;
+  [[nodiscard]] std::span<const double> row(std::size_t member) const {
+    return std::span(values_).subspan(member * names_.size(), names_.size());
+  }
+  void check_size(std::size_t values) const;
+  [[nodiscard]] Prepared prepare(std::span<const double> row) const;
+  [[nodiscard]] std::vector<double> between(std::size_t member, double from, double to) const;
+  [[nodiscard]] bool has_constants(std::size_t member) const;
+  void prepare_first();
+  void record();
+  [[nodiscard]] bool record_at(std::size_t member);
+  [[nodiscard]] bool is_verified();
+  enum class Check : std::uint8_t { same, differs, does_not_apply };
+  [[nodiscard]] Check check(std::span<const double> row) const;
+
+  Scene scene_;
+  std::vector<std::string> names_;
+  std::vector<double> values_;  // members x names
+  PrepareOptions options_;
+  std::optional<Prepared> first_;
+  std::string why_not_;
+  // The recorded computation.
+  std::vector<std::size_t> varying_;  // columns that are its parameters
+  std::vector<double> recorded_;      // a row: the other columns must have these values
+  std::vector<double> means_;         // of the columns
+  std::unique_ptr<Tape> tape_;
+  std::optional<Recipe> recipe_;
+  std::shared_ptr<const Structure> structure_;  // of the recorded mechanism
+};
+
+}  // namespace assur

@@ -1,0 +1,312 @@
+// Ensembles whose members are rows of a table of values: each is the scene with these values, prepared alone.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <numbers>
+#include <random>
+
+#include "scene/shipped_files.hpp"
+#include "simulation/ensembles.hpp"
+#include "simulation/random_mechanisms.hpp"
+
+namespace assur::test {
+namespace {
+
+// Rows of values around `middle`, up to `spread` times its size away; numbers smaller than `least` count as `least`.
+struct Table {
+  std::vector<std::string> names;
+  std::vector<double> values;
+
+  Table(const Parameters& middle, double spread, std::size_t rows, double least = 0) {
+    std::mt19937_64 random(5);
+    for (const auto& [name, value] : middle) names.push_back(name);
+    for (std::size_t i = 0; i < rows; ++i) {
+      for (const auto& [name, value] : middle) {
+        const double share = static_cast<double>(random() >> 11) * 0x1p-52 - 1;
+        values.push_back(value + spread * share * std::max(std::abs(value), least));
+      }
+    }
+  }
+  [[nodiscard]] std::size_t rows() const { return values.size() / names.size(); }
+  [[nodiscard]] Parameters row(std::size_t i) const {
+    Parameters of_row;
+    for (std::size_t k = 0; k < names.size(); ++k) of_row[names[k]] = values[i * names.size() + k];
+    return of_row;
+  }
+};
+
+PrepareOptions options(const std::string& strategy) { return {strategy, {}, ThreadBudget{4}}; }
+
+// The number of members that were prepared one by one, by the report.
+std::size_t prepared_one_by_one(const Ensemble& e) {
+  for (const std::string& text : e.report().fallbacks) {
+    if (text.find("were prepared one by one") != std::string::npos) return std::stoul(text);
+  }
+  return 0;
+}
+std::string why_one_by_one(const Ensemble& e) {
+  for (const std::string& text : e.report().fallbacks) {
+    if (text.find("were prepared one by one") != std::string::npos) return text;
+  }
+  return "";
+}
+
+double angle_apart(double a, double b) {
+  const double off = std::abs(a - b);
+  return std::min(off, std::abs(off - 2 * std::numbers::pi));
+}
+
+// Compares a table with an ensemble whose members are prepared. An angle of half a turn may begin on either side.
+void expect_like_prepared(const Scene& scene, const Table& table, const std::string& strategy,
+                          std::size_t most_prepared = 0) {
+  SCOPED_TRACE(scene.name() + " " + strategy);
+  Ensemble bound(scene, table.names, table.values, options(strategy));
+  const Prepared first = bound.prepared();
+  Ensemble each(table.rows(), [&](std::size_t i) {
+    return prepare_like(first, scene.with_values(table.row(i)), options(strategy));
+  });
+  const EnsembleTrajectory a = bound.run(), b = each.run();
+  EXPECT_LE(prepared_one_by_one(bound), most_prepared) << why_one_by_one(bound);
+  std::size_t moved = 0;
+  for (std::size_t i = 0; i < table.rows(); ++i) {
+    const Ensemble::Outcome &mine = bound.outcomes()[i], &its = each.outcomes()[i];
+    EXPECT_EQ(mine.cannot, its.cannot) << i;
+    EXPECT_EQ(mine.status.code, its.status.code) << i;
+    ASSERT_EQ(a.rows(i), b.rows(i)) << i;
+    moved += a.rows(i) > 1 ? 1 : 0;
+    std::vector<double> size(a.columns().size(), 1);
+    for (std::size_t k = 0; k < a.rows(i); ++k) {
+      for (std::size_t c = 0; c < size.size(); ++c) size[c] = std::max(size[c], std::abs(b(i, k, c)));
+    }
+    for (std::size_t k = 0; k < a.rows(i); ++k) {
+      for (std::size_t c = 0; c < size.size(); ++c) {
+        ASSERT_LE(angle_apart(a(i, k, c), b(i, k, c)), 1e-9 * size[c]) << i << " " << k << " " << a.columns()[c];
+      }
+    }
+  }
+  EXPECT_GT(moved, table.rows() / 2);
+}
+
+TEST(ValueTable, BindsParametersOfFiles) {
+  const std::map<std::string, Parameters> files = {
+      {"four_bar", {{"crank_length", 0.8}, {"coupler_length", 1.8}, {"rocker_length", 1.3}, {"omega", 6}}},
+      {"slider_crank", {{"crank_length", 0.1}, {"rod_length", 0.3}}},
+      {"stewart", {{"handle", 0.2}, {"rod", 0.55}, {"base_radius", 0.5}, {"toe", 0.2}, {"omega", 1}}},
+      {"watt", {{"swing", 0.35}, {"frequency", 0.5}}},
+  };
+  for (const auto& [name, middle] : files) {
+    for (const std::string strategy : {"groups/eigen:4", "groups/lanes:8 2x1"}) {
+      expect_like_prepared(read_scene(file(name)).with_time({0, 0.2, 0.01}), Table(middle, 0.02, 21), strategy);
+    }
+  }
+}
+
+TEST(ValueTable, BindsOptionsOfSamples) {
+  expect_like_prepared(sample("slider_crank").with_time({0, 0.5, 0.01}),
+                       Table({{"crank_length", 0.1}, {"rod_length", 0.3}, {"offset", 0.02}}, 0.1, 20), "groups/eigen:4");
+  expect_like_prepared(sample("jansen").with_time({0, 0.2, 0.01}),
+                       Table({{"La", 0.38}, {"Lb", 0.415}, {"Lc", 0.393}, {"Lm", 0.15}}, 0.01, 20), "groups/lanes:8");
+  expect_like_prepared(sample("scissor").with_time({0, 0.5, 0.02}), Table({{"arm", 2}, {"time", 10}}, 0.02, 20),
+                       "groups/eigen:4");
+}
+
+// Numbers of the file, without a parameter: positions, lengths, members, places of joints.
+TEST(ValueTable, BindsNumbers) {
+  expect_like_prepared(read_scene(file("four_bar")).with_time({0, 0.3, 0.01}),
+                       Table({{"A1.x", 2}, {"A1.y", 0}, {"coupler1", 1.8}}, 0.02, 20, 0.1), "groups/eigen:4");
+  expect_like_prepared(read_scene(file("delta")).with_time({0, 0.2, 0.01}),
+                       Table({{"S1.x", 0.2}, {"S1.z", 0}, {"S2.x", -0.1}}, 0.01, 20, 0.1), "groups/lanes:16");
+  expect_like_prepared(read_scene(file("watt")).with_time({0, 0.2, 0.01}),
+                       Table({{"A.x", -1}, {"A.y", 0.25}, {"D.y", -0.25}, {"M.x", 0}}, 0.02, 20, 0.1),
+                       "groups/eigen:4");
+}
+
+// Fixed points of random mechanisms move a little; what is written as the distance of points follows.
+TEST(ValueTable, BindsRandomMechanisms) {
+  std::size_t bound = 0, all = 0;
+  for (std::uint64_t seed = 1; seed <= 30; ++seed) {
+    Draw draw(seed);
+    const Scene scene = seed % 2 == 0 ? planar_mechanism(draw) : spatial_mechanism(draw);
+    Parameters middle;
+    for (const Point& p : scene.points()) {
+      for (std::size_t k = 0; p.fixed && k < static_cast<std::size_t>(scene.dimension()); ++k) {
+        middle[p.name + "." + "xyz"[k]] = p.at[k];
+      }
+    }
+    const Table table(middle, 1e-3, 9, 0.1);
+    expect_like_prepared(scene, table, "groups/eigen:4", table.rows());
+    Ensemble e(scene, table.names, table.values, options("groups/eigen:4"));
+    (void)e.run();
+    bound += table.rows() - prepared_one_by_one(e);
+    all += table.rows();
+    if (HasFailure()) return;
+  }
+  EXPECT_GT(bound, all * 9 / 10);
+}
+
+// Values that prepare() refuses, or that lead to another computation.
+TEST(ValueTable, MembersThatCannotBePrepared) {
+  const Scene scene = read_scene(file("four_bar")).with_time({0, 0.3, 0.01});
+  std::vector<double> values;
+  for (std::size_t i = 0; i < 40; ++i) values.insert(values.end(), {0.5 + 0.01 * static_cast<double>(i), 1.8, 1.3});
+  values[3 * 3 + 1] = -1.8;                                      // no length
+  values[7 * 3 + 2] = std::numeric_limits<double>::quiet_NaN();  // no number
+  values[11 * 3 + 1] = 0.01;                                     // too short
+  values[12 * 3] = 0;                                            // no crank
+  values[20 * 3] = std::numeric_limits<double>::infinity();
+  Ensemble e(scene, {"crank_length", "coupler_length", "rocker_length"}, values, options("groups/eigen:8 2x1"));
+  const EnsembleTrajectory all = e.run();
+  for (std::size_t i = 0; i < 40; ++i) {
+    const Parameters set = {{"crank_length", values[3 * i]},
+                            {"coupler_length", values[3 * i + 1]},
+                            {"rocker_length", values[3 * i + 2]}};
+    std::string why;
+    try {
+      (void)prepare(scene.with_values(set), options("groups/eigen"));
+      expect_member(e, all, i, scene.with_values(set), "groups/eigen");
+    } catch (const Error& error) {
+      why = error.what();
+    }
+    EXPECT_EQ(e.outcomes()[i].cannot, why) << i;
+    EXPECT_EQ(all.rows(i) == 0, !why.empty()) << i;
+  }
+  EXPECT_FALSE(e.outcomes()[3].cannot.empty() || e.outcomes()[11].cannot.empty());
+}
+
+// The sample chooses the side of its start posture by the pivot.
+TEST(ValueTable, AnotherComputation) {
+  const Scene scene = sample("whitworth").with_time({0, 0.3, 0.01});
+  Table table({{"pivot", 0.1}}, 0.8, 24);
+  expect_like_prepared(scene, table, "groups/eigen:4", table.rows());
+}
+
+TEST(ValueTable, ScenesThatArePreparedOneByOne) {
+  const auto why = [](const Scene& scene, const Parameters& middle, double spread) {
+    const Table table(middle, spread, 4, 1);
+    expect_like_prepared(scene, table, "groups/eigen:4", 4);
+    Ensemble e(scene, table.names, table.values, options("groups/eigen:4"));
+    (void)e.run();
+    return why_one_by_one(e);
+  };
+  EXPECT_EQ(why(sample("parallelograms").with_time({0, 0.1, 0.01}), {{"omega", 1}}, 0.1),
+            "4 of 4 members were prepared one by one, because the scene has redundant equations");
+  EXPECT_EQ(why(read_scene(file("geared_five_bar")).with_time({0, 0.02, 0.01}), {{"C.x", 0}}, 0.001),
+            "4 of 4 members were prepared one by one, because the scene has functions of the program or gears");
+  const Scene turned = with_law(turning(3)).with_time({0, 0.1, 0.01});
+  EXPECT_EQ(why(turned, {{"coupler", 1.8}}, 0.01),
+            "4 of 4 members were prepared one by one, because the scene has functions of the program");
+}
+
+// Some of the members reach a fold.
+TEST(ValueTable, MembersThatEndEarly) {
+  const Scene scene = limited_four_bar(Law::polynomial({0.5, 0.75})).time(0, 1.5, 0.01).build();
+  std::string coupler;
+  for (const Constraint& c : scene.constraints()) {
+    if (const auto* d = c.as<Distance>(); d != nullptr && d->value) coupler = c.name;
+  }
+  ASSERT_NE(coupler, "");
+  const double length = *std::find_if(scene.constraints().begin(), scene.constraints().end(), [&](const Constraint& c) {
+                           return c.name == coupler;
+                         })->as<Distance>()->value;
+  const Table table({{coupler, length}}, 0.02, 16);
+  Ensemble e(scene, table.names, table.values, options("groups/eigen:4"));
+  const EnsembleTrajectory all = e.run();
+  EXPECT_EQ(prepared_one_by_one(e), 0u);
+  std::size_t ended = 0;
+  for (std::size_t i = 0; i < table.rows(); ++i) {
+    expect_member(e, all, i, scene.with_values(table.row(i)), "groups/eigen");
+    ended += e.outcomes()[i].status.ok() ? 0 : 1;
+  }
+  EXPECT_GT(ended, 0u);
+}
+
+TEST(ValueTable, ThreadsChangeNoBit) {
+  const Scene scene = read_scene(file("stewart")).with_time({0, 0.1, 0.01});
+  const Table table({{"handle", 0.2}, {"rod", 0.55}, {"toe", 0.2}}, 0.05, 70);
+  std::optional<EnsembleTrajectory> one;
+  for (const std::string strategy : {"groups/lanes:8", "groups/lanes:8 2x1", "groups/lanes:8 4x1"}) {
+    Ensemble e(scene, table.names, table.values, options(strategy));
+    const EnsembleTrajectory first = e.run(), again = e.run();
+    expect_same_bits(first, again);
+    if (one) expect_same_bits(*one, first);
+    one = first;
+    const EnsembleSummary summary = e.summarize({first.columns()[0]});
+    for (std::size_t i = 0; i < table.rows(); ++i) {
+      EXPECT_EQ(summary(i, 0).last, first(i, first.rows(i) - 1, 0));
+    }
+  }
+}
+
+TEST(ValueTable, TakesAnotherTable) {
+  const Scene scene = read_scene(file("four_bar")).with_time({0, 0.3, 0.01});
+  const std::vector<std::string> names = {"crank_length", "rocker_length"};
+  Ensemble e(scene, names, {0.8, 1.3, 0.7, 1.3}, options("groups/eigen:4"));
+  (void)e.run();
+  for (const std::vector<double>& values :
+       {std::vector{0.76, 1.3, 0.77, 1.3, 0.78, 1.3}, std::vector{0.76, 1.28, 0.78, 1.27}, std::vector{0.75, 1.29}}) {
+    e.bind(values);
+    EXPECT_EQ(e.members(), values.size() / 2);
+    EXPECT_TRUE(e.outcomes().empty());
+    const EnsembleTrajectory all = e.run();
+    EXPECT_EQ(prepared_one_by_one(e), 0u) << why_one_by_one(e);
+    ASSERT_EQ(all.members(), values.size() / 2);
+    for (std::size_t i = 0; i < all.members(); ++i) {
+      expect_member(e, all, i,
+                    scene.with_values({{"crank_length", values[2 * i]}, {"rocker_length", values[2 * i + 1]}}),
+                    "groups/eigen");
+    }
+  }
+}
+
+TEST(ValueTable, Refusals) {
+  const Scene scene = read_scene(file("four_bar"));
+  const auto refusal = [](const auto& call) -> std::string {
+    try {
+      call();
+    } catch (const Error& e) {
+      EXPECT_EQ(e.kind(), Error::Kind::input);
+      return e.what();
+    }
+    return "";
+  };
+  const auto made = [&](std::vector<std::string> names, std::vector<double> values) {
+    return refusal([&] { (void)Ensemble(scene, std::move(names), std::move(values), options("groups/eigen")); });
+  };
+  EXPECT_EQ(made({"crank_lenght"}, {1}),
+            "the scene has no parameter and no number 'crank_lenght'; did you mean 'crank_length'?");
+  EXPECT_EQ(made({"A1.x", "A1.x"}, {1, 2}), "'A1.x' names two columns of the table");
+  EXPECT_EQ(made({}, {}), "a table of values needs at least one name");
+  const std::string rows = "a table with 2 names needs as many values for each member, and at least one member; ";
+  EXPECT_EQ(made({"A1.x", "A1.y"}, {1, 2, 3}), rows + "3 values are no whole rows");
+  EXPECT_EQ(made({"A1.x", "A1.y"}, {}), rows + "0 values are no whole rows");
+  EXPECT_NE(made({"crank_length"}, {-1, -2}).find("a distance must be > 0"), std::string::npos);
+  Ensemble e(scene, {"A1.x"}, {2, 2.1}, options("groups/eigen"));
+  EXPECT_NE(refusal([&] { e.bind({}); }), "");
+  EXPECT_EQ(e.run(std::vector{0.0}).members(), 2u);
+  Ensemble each = ensemble(2, four_bar);
+  EXPECT_EQ(refusal([&] { each.bind({1}); }),
+            "the members of this ensemble were prepared one by one; an ensemble with a table of values takes another "
+            "table");
+}
+
+TEST(ValueTable, ObserverStopsIt) {
+  const Scene scene = read_scene(file("four_bar")).with_time({0, 0.3, 0.01});
+  const Table table({{"crank_length", 0.8}}, 0.1, 30);
+  Ensemble e(scene, table.names, table.values, options("groups/eigen:4"));
+  std::int64_t last = 0, of = 0;
+  (void)e.run([&](std::int64_t done, std::int64_t all) {
+    EXPECT_GE(done, last);
+    last = done, of = all;
+    return true;
+  });
+  EXPECT_EQ(last, 30 * 31);
+  EXPECT_EQ(of, 30 * 31);
+  (void)e.run([&](std::int64_t done, std::int64_t) { return done < 100; });
+  const auto interrupted = std::count_if(e.outcomes().begin(), e.outcomes().end(),
+                                         [](const auto& o) { return o.status.code == Code::interrupted; });
+  EXPECT_GT(interrupted, 20);
+}
+
+}  // namespace
+}  // namespace assur::test
