@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <iosfwd>
+#include <limits>
 #include <memory>
 #include <span>
 #include <string>
@@ -84,6 +85,22 @@ class EnsembleSummary {
   std::vector<ColumnSummary> values_;  // members x columns
 };
 
+// The rows of Ensemble::stream().
+struct RowSelection {
+  std::vector<std::string> columns = {};                      // empty: all
+  std::size_t every = 1;                                      // every n-th row, beginning with the first; at least 1
+  std::size_t block = std::numeric_limits<std::size_t>::max();  // most rows that are given at once; at least 1
+};
+
+// Rows of one member, in SI units.
+struct MemberRows {
+  std::size_t member = 0;          // counted from 0
+  std::span<const double> times;   // of the rows, s
+  std::span<const double> values;  // rows x columns
+};
+// Takes rows. They are valid within the call.
+using RowSink = std::function<void(const MemberRows& rows)>;
+
 // Writes a CSV with the columns `member` (counted from 1), `t` and all outputs. Each number is the shortest text that
 // reads back as the same double; NaN is empty. Rows that a member did not reach are left out. If writing
 // fails, the state of `out` says so.
@@ -155,6 +172,16 @@ class Ensemble {
   // The same over `times` (s).
   EnsembleSummary summarize(const std::vector<std::string>& columns, std::span<const double> times,
                             const Simulator::Observer& observer = {});
+
+  // Runs all members as run() does, and gives rows to `sink` instead of keeping them: all rows of a member when it is
+  // done, or block by block. All threads of the plan call the sink, each for members of its own; the blocks of a member
+  // come in their order. A member that reached no row gives none; outcomes() tells why. Rows are those of run(), bit by
+  // bit. Exceptions from the sink propagate. Throws as run(), and Error (input) for an unknown column, an empty sink, or
+  // a number that is 0 in `selection`.
+  void stream(const RowSelection& selection, const RowSink& sink, const Simulator::Observer& observer = {});
+  // The same over `times` (s).
+  void stream(const RowSelection& selection, const RowSink& sink, std::span<const double> times,
+              const Simulator::Observer& observer = {});
 
   // Number of members, including those that cannot start.
   [[nodiscard]] std::size_t members() const;

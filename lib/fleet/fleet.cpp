@@ -8,7 +8,7 @@
 #include "fleet/linkage_run.hpp"
 #include "numbers.hpp"
 #include "parallel/team.hpp"
-#include "side_by_side/row_summary.hpp"
+#include "side_by_side/row_takers.hpp"
 #include "side_by_side/run_arguments.hpp"
 
 namespace assur {

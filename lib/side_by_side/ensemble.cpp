@@ -15,7 +15,7 @@
 #include "scene/outputs.hpp"
 #include "side_by_side/bound_members.hpp"
 #include "side_by_side/memory.hpp"
-#include "side_by_side/row_summary.hpp"
+#include "side_by_side/row_takers.hpp"
 #include "side_by_side/run_arguments.hpp"
 #include "side_by_side/tiles.hpp"
 #include "signals/columns.hpp"
@@ -117,7 +117,7 @@ struct Ensemble::Impl {
     std::span<const double> times;
     std::vector<std::size_t>& rows;     // receives the number of rows of each member
     double* values = nullptr;           // members x times x columns, or
-    std::span<RowSummary> summaries{};  // one for each member
+    std::function<RowTaker&(std::size_t member)> taker = {};
   };
 
   void start(const Results& results) {
@@ -259,7 +259,7 @@ struct Ensemble::Impl {
       if (results.values != nullptr) {
         runs[i].rows = results.values + members[i] * results.times.size() * columns.size();
       } else {
-        runs[i].summary = &results.summaries[members[i]];
+        runs[i].taker = &results.taker(members[i]);
       }
     }
     tiles.run(runs, progress.observer, 0);
@@ -294,7 +294,9 @@ struct Ensemble::Impl {
     if (results.values != nullptr) {
       std::copy(t.values().begin(), t.values().end(), results.values + i * results.times.size() * columns.size());
     } else {
-      for (std::size_t k = 0; k < t.rows(); ++k) results.summaries[i].take(t.times()[k], t.row(k).data());
+      RowTaker& taker = results.taker(i);
+      for (std::size_t k = 0; k < t.rows(); ++k) taker.take(t.times()[k], t.row(k).data());
+      if (t.rows() > 0) taker.finish();
     }
     const Report& its = simulator->report();
     results.rows[i] = t.rows();
@@ -374,6 +376,12 @@ std::vector<double> times_of(const TimeGrid& grid) {
   return times;
 }
 
+std::vector<std::size_t> indices_of(const std::vector<std::string>& columns, const std::vector<std::string>& all) {
+  std::vector<std::size_t> indices;
+  for (const std::string& column : columns) indices.push_back(column_index(all, column));
+  return indices;
+}
+
 void check_begin(std::span<const double> times, const Prepared& prepared) {
   if (times.empty() || times[0] != prepared.time.start) {
     throw Error(Error::Kind::input, "the times of an ensemble must begin with time.start of its scene");
@@ -394,7 +402,7 @@ EnsembleTrajectory Ensemble::run(std::span<const double> times, const Simulator:
   out.times_.assign(times.begin(), times.end());
   check_memory(members() * times.size(), out.columns_.size());
   out.values_.reset(new double[members() * times.size() * out.columns_.size()]);
-  impl_->run({out.times_, out.rows_, out.values_.get(), {}}, observer);
+  impl_->run({out.times_, out.rows_, out.values_.get()}, observer);
   Impl::fill_missing_rows(out);
   return out;
 }
@@ -406,8 +414,7 @@ EnsembleSummary Ensemble::summarize(const std::vector<std::string>& columns, con
 EnsembleSummary Ensemble::summarize(const std::vector<std::string>& columns, std::span<const double> times,
                                     const Simulator::Observer& observer) {
   check_begin(times, *impl_->prepared);
-  std::vector<std::size_t> indices;
-  for (const std::string& column : columns) indices.push_back(column_index(impl_->columns, column));
+  const std::vector<std::size_t> indices = indices_of(columns, impl_->columns);
   EnsembleSummary out;
   out.columns_ = columns;
   check_memory(members() * columns.size(), sizeof(ColumnSummary) / sizeof(double));
@@ -416,9 +423,27 @@ EnsembleSummary Ensemble::summarize(const std::vector<std::string>& columns, std
   for (std::size_t i = 0; i < members(); ++i) {
     summaries.emplace_back(indices, std::span(out.values_).subspan(i * columns.size(), columns.size()));
   }
-  impl_->run({times, out.rows_, nullptr, summaries}, observer);
-  for (RowSummary& summary : summaries) summary.finish();
+  impl_->run({times, out.rows_, nullptr, [&](std::size_t i) -> RowTaker& { return summaries[i]; }}, observer);
   return out;
+}
+
+void Ensemble::stream(const RowSelection& selection, const RowSink& sink, const Simulator::Observer& observer) {
+  stream(selection, sink, times_of(impl_->prepared->time), observer);
+}
+
+void Ensemble::stream(const RowSelection& selection, const RowSink& sink, std::span<const double> times,
+                      const Simulator::Observer& observer) {
+  check_begin(times, *impl_->prepared);
+  if (!sink) throw Error(Error::Kind::input, "the sink of rows is empty");
+  if (selection.every < 1 || selection.block < 1) {
+    throw Error(Error::Kind::input, "RowSelection::every and RowSelection::block must be at least 1");
+  }
+  const std::vector<std::string>& columns = selection.columns.empty() ? impl_->columns : selection.columns;
+  const std::vector<std::size_t> indices = indices_of(columns, impl_->columns);
+  std::vector<RowStream> streams;
+  for (std::size_t i = 0; i < members(); ++i) streams.emplace_back(i, indices, selection, sink);
+  std::vector<std::size_t> rows;
+  impl_->run({times, rows, nullptr, [&](std::size_t i) -> RowTaker& { return streams[i]; }}, observer);
 }
 
 void Ensemble::bind(std::vector<double> values) {

@@ -66,8 +66,8 @@ void SideBySide::write_row(int lane, LaneRun& run, std::size_t row) {
   if (row == run.posture_wanted) run.posture = tile_.posture(lane);
 }
 
-void SideBySide::summarize_row(LaneRun& run, std::size_t row) const {
-  if (run.summary != nullptr) run.summary->take(run.times[row], run.row(row, columns().size()));
+void SideBySide::give_row(LaneRun& run, std::size_t row) const {
+  if (run.taker != nullptr) run.taker->take(run.times[row], run.row(row, columns().size()));
 }
 
 // Solves from row `from`, at which the variants are, to the last row that all lanes reach in lockstep. Returns that
@@ -82,7 +82,7 @@ std::size_t SideBySide::follow(std::span<LaneRun* const> lanes, std::size_t from
     if (moves && !tile_.step(times).ok()) return row - 1;
     for (std::size_t i = 0; i < lanes.size(); ++i) write_row(static_cast<int>(i), *lanes[i], row);
     if (moves) check_accuracy(lanes, row);
-    for (LaneRun* lane : lanes) summarize_row(*lane, row);
+    for (LaneRun* lane : lanes) give_row(*lane, row);
     if (!proceed()) {
       stopped_ = true;
       return row;
@@ -186,7 +186,7 @@ void SideBySide::run(std::span<LaneRun* const> lanes, const std::function<bool()
   stopped_ = false;
   latest_.resize(lanes.size() * columns().size());
   for (std::size_t i = 0; i < lanes.size(); ++i) {
-    if (lanes[i]->summary != nullptr) lanes[i]->rows = latest_.data() + i * columns().size();
+    if (lanes[i]->taker != nullptr) lanes[i]->rows = latest_.data() + i * columns().size();
   }
   for (std::size_t row = 0; !together.empty();) {
     std::vector<const Variant*> variants;
@@ -200,7 +200,7 @@ void SideBySide::run(std::span<LaneRun* const> lanes, const std::function<bool()
         }
       }
       check_accuracy(together, 0);
-      for (LaneRun* lane : together) summarize_row(*lane, 0);
+      for (LaneRun* lane : together) give_row(*lane, 0);
     }
     for (std::size_t i = 0; i < together.size() && started && row > 0; ++i) {
       const std::size_t size = columns().size();
@@ -273,12 +273,12 @@ void SideBySide::alone(LaneRun& lane, Variant at, std::size_t row, bool to_the_e
     if (!lane.alone) {
       lane.alone = true;
       lane.alone_from = from;
-      if (!restarted) summarize_row(lane, row);
+      if (!restarted) give_row(lane, row);
     }
     if (!lane.status.arrived()) break;
     std::copy(simulator->outputs().begin(), simulator->outputs().end(), lane.row(k, columns));
     turns.add_to(lane.row(k, columns));
-    summarize_row(lane, k);
+    give_row(lane, k);
     lane.done = k + 1;
     if (k == lane.posture_wanted) lane.posture = posture_of(*simulator);
     stopped_ = !proceed();

@@ -12,7 +12,7 @@
 
 #include "assur/report.hpp"
 #include "side_by_side/bound_members.hpp"
-#include "side_by_side/row_summary.hpp"
+#include "side_by_side/row_takers.hpp"
 #include "side_by_side/tile.hpp"
 
 namespace assur {
@@ -24,7 +24,7 @@ struct LaneRun {
   bool unbound = false;           // true: the member was not bound and has not run, because it must be prepared
   std::span<const double> times;  // the first one is that of the variant
   double* rows = nullptr;         // receives the first `split` rows of results; `beyond` the others
-  RowSummary* summary = nullptr;  // not null: takes each row, and only the latest one is kept
+  RowTaker* taker = nullptr;  // not null: takes each row, and only the latest one is kept
   double* beyond = nullptr;
   std::size_t split = static_cast<std::size_t>(-1);
   std::size_t done = 0;  // rows filled
@@ -44,7 +44,7 @@ struct LaneRun {
   std::vector<double> uniqueness;  // see Tile::uniqueness(), at the start; if a posture is wanted
 
   [[nodiscard]] double* row(std::size_t k, std::size_t columns) const {
-    if (summary != nullptr) return rows;
+    if (taker != nullptr) return rows;
     return k < split ? rows + k * columns : beyond + (k - split) * columns;
   }
 };
@@ -91,14 +91,14 @@ class SideBySide {
   void alone(LaneRun& lane, Variant at, std::size_t row, bool to_the_end, const std::function<bool()>& proceed);
   [[nodiscard]] std::optional<Simulator> simulator_of(LaneRun& lane, Variant at) const;
   void write_row(int lane, LaneRun& run, std::size_t row);
-  void summarize_row(LaneRun& run, std::size_t row) const;
+  void give_row(LaneRun& run, std::size_t row) const;
 
   Prepared prepared_;
   StepLimits limits_;
   Tile tile_;
   std::unique_ptr<MemberBinder> binder_;  // null: the variants are given
   Totals of_those_alone_;
-  std::vector<double> latest_;  // rows of lanes that are summarised
+  std::vector<double> latest_;  // rows of lanes whose rows are taken
   bool stopped_ = false;
 };
 

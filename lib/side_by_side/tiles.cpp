@@ -54,6 +54,9 @@ void Tiles::run(std::span<LaneRun> runs, const Simulator::Observer& observer, st
         counted = 0;
         for (LaneRun& run : runs.subspan(begin, std::min(lanes, runs.size() - begin))) together.push_back(&run);
         workers_[idx(rank)]->run(together, proceed);
+        for (LaneRun* run : together) {
+          if (run->taker != nullptr && run->done > 0) run->taker->finish();
+        }
       }
     } catch (...) {
       stopped = true;  // the other threads need not continue

@@ -1,7 +1,10 @@
 // Summaries of ensembles equal those of the stored rows bit by bit, and their memory does not grow with the times.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <mutex>
+#include <stdexcept>
 
 #include "backends/allocations.hpp"
 #include "simulation/ensembles.hpp"
@@ -133,6 +136,74 @@ TEST(EnsembleSummary, MemoryDoesNotGrowWithTheTimes) {
   };
   (void)taken(61);
   EXPECT_EQ(taken(61), taken(31));
+}
+
+// ---- streams
+
+// Rows of all members, put together from the blocks of a stream.
+struct Streamed {
+  std::vector<std::vector<double>> times, values;  // members
+  std::size_t largest = 0;                         // block
+
+  Streamed(Ensemble& e, const RowSelection& selection) : times(e.members()), values(e.members()) {
+    std::mutex one_at_a_time;
+    e.stream(selection, [&](const MemberRows& rows) {
+      const std::scoped_lock lock(one_at_a_time);
+      largest = std::max(largest, rows.times.size());
+      times[rows.member].insert(times[rows.member].end(), rows.times.begin(), rows.times.end());
+      values[rows.member].insert(values[rows.member].end(), rows.values.begin(), rows.values.end());
+    });
+  }
+};
+
+TEST(EnsembleStream, GivesTheStoredRows) {
+  for (const std::string strategy : {"groups/eigen:4", "groups/eigen:4 2x1"}) {
+    Ensemble e = ensemble(11, partly_limited, strategy);
+    const EnsembleTrajectory all = e.run();
+    const std::vector<std::string> two = {all.columns()[2], all.columns()[0]};
+    for (const RowSelection& selection :
+         {RowSelection{}, RowSelection{two, 1, 7}, RowSelection{two, 10}, RowSelection{{}, 3, 1}}) {
+      const Streamed streamed(e, selection);
+      EXPECT_LE(streamed.largest, selection.block);
+      const std::vector<std::string>& columns = selection.columns.empty() ? all.columns() : selection.columns;
+      for (std::size_t i = 0; i < all.members(); ++i) {
+        const std::size_t rows = (all.rows(i) + selection.every - 1) / selection.every;
+        ASSERT_EQ(streamed.times[i].size(), rows) << i;
+        ASSERT_EQ(streamed.values[i].size(), rows * columns.size()) << i;
+        for (std::size_t k = 0; k < rows; ++k) {
+          EXPECT_EQ(streamed.times[i][k], all.times()[k * selection.every]);
+          for (std::size_t c = 0; c < columns.size(); ++c) {
+            const auto at = std::find(all.columns().begin(), all.columns().end(), columns[c]) - all.columns().begin();
+            ASSERT_EQ(streamed.values[i][k * columns.size() + c],
+                      all(i, k * selection.every, static_cast<std::size_t>(at)));
+          }
+        }
+      }
+      EXPECT_EQ(e.outcomes()[3].cannot.empty(), false);
+    }
+  }
+}
+
+TEST(EnsembleStream, MembersThatRunAlone) {
+  Ensemble e = ensemble(3, [](std::size_t i) { return with_law(turning(1 + static_cast<double>(i))); });
+  const EnsembleTrajectory all = e.run();
+  const Streamed streamed(e, {});
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto row = all.row(i, 0);
+    EXPECT_TRUE(std::equal(streamed.values[i].begin(), streamed.values[i].end(), row.begin()));
+    EXPECT_EQ(streamed.times[i].size(), all.times().size());
+  }
+}
+
+TEST(EnsembleStream, RefusalsAndExceptions) {
+  Ensemble e = ensemble(5, four_bar);
+  const auto sink = [](const MemberRows&) {};
+  EXPECT_THROW(e.stream({{"nothing"}}, sink), Error);
+  EXPECT_THROW(e.stream({{}, 0}, sink), Error);
+  EXPECT_THROW(e.stream({{}, 1, 0}, sink), Error);
+  EXPECT_THROW(e.stream({}, {}), Error);
+  EXPECT_THROW(e.stream({}, [](const MemberRows&) { throw std::runtime_error("full"); }), std::runtime_error);
+  EXPECT_EQ(Streamed(e, {}).times[0].size(), 61u);  // it can run again
 }
 
 }  // namespace

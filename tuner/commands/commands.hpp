@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "assur/curve.hpp"
 #include "assur/mjcf.hpp"
 #include "assur/performance.hpp"
 #include "assur/plan.hpp"
@@ -87,7 +88,9 @@ struct SweepOptions {
   std::vector<std::string> reduce = {"min", "max"};            // figures of each output
   std::int64_t best = 0;                                       // samples to list: those with the smallest first figure
   std::string strategy = "auto";
-  std::string target;  // CSV with a curve; the sample `linkages` only; empty: none
+  std::string target;  // CSV with a curve to compare paths with; empty: none
+  std::string trace;   // the point whose path is compared; empty: the last joint of linkages, or none
+  std::string compare = "nearest";  // name of the distance; linkages have shape distances
   std::string out;     // CSV with a row for each sample
   std::string html;    // a page with figures over parameters, and the best samples in motion; empty: none
 };
@@ -166,6 +169,8 @@ int run(const Common& common, const RunOptions& options);
 int sweep(const Common& common, const SweepOptions& options);
 // The samples from the first up to, without, the second. Throws Error (input) for a range that there is not.
 [[nodiscard]] std::pair<std::int64_t, std::int64_t> range_of(const SweepOptions& options);
+// A CSV with the columns x and y.
+[[nodiscard]] std::vector<PlanePoint> curve_in(const std::string& file);
 int sweep_linkages(const Common& common, const SweepOptions& options);  // sweep of the sample `linkages`
 int compare(const Common& common, const CompareOptions& options);
 int plan(const Common& common, const PlanOptions& options);

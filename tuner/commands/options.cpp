@@ -251,8 +251,13 @@ void add_sweep(CLI::App& app, Invocation& call) {
       ->type_name("K");
   sweep.add_option("--strategy", o.strategy, "Solution strategy: auto (default), groups/lanes:8, ...")
       ->type_name("TEXT");
-  sweep.add_option("--target", o.target, "For linkages: a CSV with the columns x,y of a curve to compare paths with")
+  sweep.add_option("--target", o.target, "A CSV with the columns x,y of a curve to compare paths with")
       ->type_name("FILE");
+  CLI::Option* trace = sweep.add_option("--trace", o.trace, "The point whose path is compared (of linkages the last)");
+  trace->type_name("POINT");
+  CLI::Option* compare =
+      sweep.add_option("--compare", o.compare, "The distance: nearest (default), timed, fitted or shape");
+  compare->check(one_of(sweep::distance_names()))->type_name("NAME");
   CLI::Option* out =
       sweep.add_option("--out", o.out, "Write a CSV (of linkages: an .h5 file); an earlier one is continued")
           ->required();
@@ -261,7 +266,14 @@ void add_sweep(CLI::App& app, Invocation& call) {
       sweep.add_option("--html", o.html, "Write a page: figures over parameters, and the best in motion");
   html->type_name("FILE");
   add_common(sweep, call.common);
-  sweep.callback([&call, out, html] {
+  sweep.callback([&call, out, html, trace, compare] {
+    const std::string& scene = call.sweep.scene;
+    const bool is_of_linkages = scene == "linkages" || scene.starts_with("linkages:");
+    for (const CLI::Option* option : {trace, compare}) {
+      if (option->count() == 0 || !is_of_linkages) continue;
+      throw CLI::ValidationError(option->get_name(),
+                                 "linkages are compared by the path of their last joint and its shape");
+    }
     if (out->count() > 0 && call.sweep.out.empty()) throw CLI::ValidationError("--out", "expects a file name");
     if (html->count() > 0 && call.sweep.html.empty()) throw CLI::ValidationError("--html", "expects a file name");
     call.chosen = [&call] { return command::sweep(call.common, call.sweep); };

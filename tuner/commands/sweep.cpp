@@ -80,9 +80,33 @@ std::optional<Scene> scene_or_none(const std::function<Scene(const std::vector<d
   }
 }
 
+// Empty if no path is compared. columns: outputs of the scene.
+std::optional<sweep::Trace> trace_of(const SweepOptions& options, const Scene& scene,
+                                     const std::vector<std::string>& columns) {
+  if (options.target.empty()) return std::nullopt;
+  if (scene.dimension() != 2) refuse("--trace", "compares paths in the plane; this scene is in space");
+  for (const char* coordinate : {".x", ".y"}) {
+    if (std::find(columns.begin(), columns.end(), options.trace + coordinate) == columns.end()) {
+      refuse("--trace", "\"" + options.trace + "\" is not a point among the outputs of the scene");
+    }
+  }
+  sweep::Trace trace{options.trace, curve_in(options.target), options.compare};
+  const auto points = static_cast<std::int64_t>(trace.target.size()), times = scene.time().steps() + 1;
+  if ((trace.distance == "timed" || trace.distance == "fitted") && points != times) {
+    refuse("--compare", "compares points at equal times: " + options.target + " has " + counted(points, "point") +
+                            ", and the path " + std::to_string(times));
+  }
+  return trace;
+}
+
 void check(const Common& common, const SweepOptions& options) {
   if (options.vary.empty()) refuse("--vary", "give the parameters to vary, with their ranges: a=LOW:HIGH,...");
-  if (!options.target.empty()) refuse("--target", "is for the sample linkages only");
+  if (options.target.empty() && !options.trace.empty()) {
+    refuse("--trace", "needs a curve to compare the path with: --target FILE");
+  }
+  if (!options.target.empty() && options.trace.empty()) {
+    refuse("--target", "give the point whose path is compared with the curve: --trace POINT");
+  }
   if (options.out == "-") refuse("--out", "rows are kept in a file, so that a sweep can go on; give its name");
   for (std::size_t i = 0; i < options.vary.size(); ++i) {
     const std::string& name = options.vary[i].name;
@@ -237,7 +261,7 @@ std::pair<std::int64_t, std::int64_t> range_of(const SweepOptions& options) {
 int sweep(const Common& common, const SweepOptions& options) {
   if (options.scene == "linkages" || options.scene.starts_with("linkages:")) return sweep_linkages(common, options);
   check(common, options);
-  refuse_overwriting(common, {{"--out", options.out}, {"--html", options.html}}, {options.scene});
+  refuse_overwriting(common, {{"--out", options.out}, {"--html", options.html}}, {options.scene, options.target});
   const sweep::DesignSpace space(options.vary, options.sampler, options.samples, options.seed);
   const auto [first, last] = range_of(options);
 
@@ -266,7 +290,7 @@ int sweep(const Common& common, const SweepOptions& options) {
   if (const std::optional<Scene> one = scene_or_none(scene_at, space.point(first))) check_grid(*one);
   StepLimits limits;
   limits.stop = [] { return Interrupt::requested(); };
-  sweep::Sweep sweep(space, scene, how, columns, options.reduce, limits);
+  sweep::Sweep sweep(space, scene, how, columns, options.reduce, trace_of(options, scene, columns), limits);
 
   std::optional<output::Replacement> html;
   if (!options.html.empty()) html.emplace("--html", options.html);

@@ -44,19 +44,6 @@ int whole(std::string_view text, int least, int most, const std::string& what) {
   return value;
 }
 
-// A CSV with the columns x and y.
-std::vector<PlanePoint> curve_in(const std::string& file) {
-  std::vector<PlanePoint> curve;
-  for (const Parameters& row : read_variants(file)) {
-    if (row.size() != 2 || !row.contains("x") || !row.contains("y")) {
-      refuse("--target", file + " needs the two columns x and y");
-    }
-    curve.push_back({row.at("x"), row.at("y")});
-  }
-  if (curve.size() < 3) refuse("--target", file + " needs at least three points");
-  return curve;
-}
-
 // "linkages:joints=5..20,times=200,precision=single"
 sweep::LinkageSet set_of(const SweepOptions& options) {
   sweep::LinkageSet set;
@@ -212,6 +199,18 @@ void print(const Common& common, const SweepOptions& options, const sweep::Linka
 }
 
 }  // namespace
+
+std::vector<PlanePoint> curve_in(const std::string& file) {
+  std::vector<PlanePoint> curve;
+  for (const Parameters& row : read_variants(file)) {
+    if (row.size() != 2 || !row.contains("x") || !row.contains("y")) {
+      refuse("--target", file + " needs the two columns x and y");
+    }
+    curve.push_back({row.at("x"), row.at("y")});
+  }
+  if (curve.size() < 3) refuse("--target", file + " needs at least three points");
+  return curve;
+}
 
 int sweep_linkages(const Common& common, const SweepOptions& options) {
   check(common, options);

@@ -3,13 +3,17 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "numbers.hpp"
 #include "scene/names.hpp"
+#include "side_by_side/row_takers.hpp"
 
 namespace assur::sweep {
 namespace {
+
+constexpr std::size_t kRowsAtOnce = 1024;  // of a member
 
 double figure_of(const ColumnSummary& s, const std::string& name) {
   if (name == "min") return s.minimum;
@@ -42,13 +46,19 @@ const std::vector<std::string>& figure_names() {
   return kNames;
 }
 
+const std::vector<std::string>& distance_names() {
+  static const std::vector<std::string> kNames = {"nearest", "timed", "fitted", "shape"};
+  return kNames;
+}
+
 Sweep::Sweep(const DesignSpace& space, Scene scene, PrepareOptions how, std::vector<std::string> columns,
-             std::vector<std::string> figures, StepLimits limits)
+             std::vector<std::string> figures, std::optional<Trace> trace, StepLimits limits)
     : space_(space),
       scene_(std::move(scene)),
       how_(std::move(how)),
       columns_(std::move(columns)),
       figures_(std::move(figures)),
+      trace_(std::move(trace)),
       limits_(std::move(limits)) {}
 
 std::vector<double> Sweep::values_of(std::int64_t b) const {
@@ -76,7 +86,7 @@ std::vector<Row> Sweep::block(std::int64_t b) {
     rows[i].parameters.assign(point, point + static_cast<std::ptrdiff_t>(parameters));
     rows[i].status = Row::kNotAssembled;
     rows[i].reached = kNan;
-    rows[i].figures.assign(columns_.size() * figures_.size(), kNan);
+    rows[i].figures.assign(figures().size(), kNan);
   }
   const auto none_can_be_prepared = [](const Error& e) { return e.kind() != Error::Kind::environment; };
   try {
@@ -100,24 +110,59 @@ std::vector<Row> Sweep::block(std::int64_t b) {
 }
 
 void Sweep::run(Ensemble& ensemble, std::vector<Row>& rows) {
-  const EnsembleSummary summary =
-      ensemble.summarize(columns_, [&](std::int64_t, std::int64_t) { return !(limits_.stop && limits_.stop()); });
+  std::vector<ColumnSummary> summaries(rows.size() * columns_.size());
+  std::vector<std::size_t> all(columns_.size());
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  std::vector<RowSummary> takers;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    takers.emplace_back(all, std::span(summaries).subspan(i * columns_.size(), columns_.size()));
+  }
+  RowSelection selection{columns_};
+  if (trace_) {
+    selection.columns.insert(selection.columns.end(), {trace_->point + ".x", trace_->point + ".y"});
+  } else {
+    selection.block = kRowsAtOnce;
+  }
+  const auto sink = [&](const MemberRows& of) {
+    const std::size_t width = selection.columns.size();
+    for (std::size_t k = 0; k < of.times.size(); ++k) takers[of.member].take(of.times[k], &of.values[k * width]);
+    if (!trace_) return;
+    std::vector<PlanePoint> path;
+    for (std::size_t k = 0; k < of.times.size(); ++k) {
+      const double* const end = &of.values[(k + 1) * width];
+      path.push_back({end[-2], end[-1]});
+    }
+    rows[of.member].figures[0] = distance(path);
+  };
+  ensemble.stream(selection, sink,
+                  [&](std::int64_t, std::int64_t) { return !(limits_.stop && limits_.stop()); });
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const Ensemble::Outcome& outcome = ensemble.outcomes()[i];
     rows[i].why = outcome.cannot;
     if (!outcome.cannot.empty()) continue;
     rows[i].status = name(outcome.status.code);
     rows[i].reached = outcome.reached;
+    takers[i].finish();
+    std::size_t to = trace_ ? 1 : 0;
+    if (trace_ && !rows[i].is_done()) rows[i].figures[0] = kNan;
     for (std::size_t c = 0; c < columns_.size(); ++c) {
-      for (std::size_t f = 0; f < figures_.size(); ++f) {
-        rows[i].figures[c * figures_.size() + f] = figure_of(summary(i, c), figures_[f]);
+      for (const std::string& figure : figures_) {
+        rows[i].figures[to++] = figure_of(summaries[i * columns_.size() + c], figure);
       }
     }
   }
 }
 
+double Sweep::distance(std::span<const PlanePoint> path) const {
+  if (trace_->distance == "nearest") return nearest_distance(path, trace_->target);
+  if (trace_->distance == "shape") return shape_distance(path, trace_->target);
+  if (path.size() != trace_->target.size()) return kNan;
+  return trace_->distance == "timed" ? timed_distance(path, trace_->target) : fitted_distance(path, trace_->target);
+}
+
 std::vector<std::string> Sweep::figures() const {
   std::vector<std::string> names;
+  if (trace_) names.push_back(trace_->point + ".distance");
   for (const std::string& column : columns_) {
     for (const std::string& figure : figures_) names.push_back(std::string(column).append(".").append(figure));
   }
@@ -149,7 +194,7 @@ Row Sweep::parse(const std::string& line) const {
       cells.back() += c;
     }
   }
-  const std::size_t parameters = space_.ranges().size(), figures = columns_.size() * figures_.size();
+  const std::size_t parameters = space_.ranges().size(), figures = this->figures().size();
   if (cells.size() != 3 + parameters + figures) refuse_line(line);
   Row row;
   const std::string& sample = cells[0];

@@ -3,9 +3,11 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "assur/curve.hpp"
 #include "assur/ensemble.hpp"
 #include "sweep/design_space.hpp"
 
@@ -29,21 +31,33 @@ struct Row {
 // The names of figures: min, max, min_time, max_time, mean, last, range.
 [[nodiscard]] const std::vector<std::string>& figure_names();
 
+// The names of distances between curves: nearest, timed, fitted, shape.
+[[nodiscard]] const std::vector<std::string>& distance_names();
+
+// The path of a point, and the curve that it is compared with. The first figure is the distance, see assur/curve.hpp;
+// NaN if the motion ended early, so that it has fewer points.
+struct Trace {
+  std::string point;
+  std::vector<PlanePoint> target;
+  std::string distance;  // one of distance_names()
+};
+
 class Sweep {
  public:
   // Samples in a block. Blocks begin at multiples of it, wherever a range begins: the members of a pack, and with them
   // the last bits of a row, are the same for every range.
   static constexpr std::int64_t kBlock = 1024;
 
-  // scene: has the parameters of the space. columns, figures: what is kept.
+  // scene: has the parameters of the space. columns, figures: what is kept. trace: empty, or of a point whose
+  // coordinates are outputs.
   Sweep(const DesignSpace& space, Scene scene, PrepareOptions how, std::vector<std::string> columns,
-        std::vector<std::string> figures, StepLimits limits);
+        std::vector<std::string> figures, std::optional<Trace> trace, StepLimits limits);
 
   // The samples from b * kBlock on. Empty if limits.stop asked to stop. Throws as Ensemble, but not for samples that
   // cannot be prepared.
   [[nodiscard]] std::vector<Row> block(std::int64_t b);
 
-  // The names of Row::figures: "handle1.max", ...
+  // The names of Row::figures: "P.distance", "handle1.max", ...
   [[nodiscard]] std::vector<std::string> figures() const;
 
   // The first line of a file of rows, and the line of a row; without line ends. Numbers are the shortest text that
@@ -57,11 +71,13 @@ class Sweep {
   [[nodiscard]] Ensemble make(std::vector<double> values) const;
   [[nodiscard]] std::vector<double> values_of(std::int64_t b) const;
   void run(Ensemble& ensemble, std::vector<Row>& rows);
+  [[nodiscard]] double distance(std::span<const PlanePoint> path) const;
 
   const DesignSpace& space_;
   Scene scene_;
   PrepareOptions how_;
   std::vector<std::string> columns_, figures_;
+  std::optional<Trace> trace_;
   StepLimits limits_;
   // Made with the first block, whatever range is asked for, so that a row does not depend on the range. Empty: none of
   // its samples can be prepared, so that each block makes its own.

@@ -1,0 +1,62 @@
+#include "side_by_side/row_takers.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "numbers.hpp"
+
+namespace assur {
+
+RowSummary::RowSummary(std::span<const std::size_t> columns, std::span<ColumnSummary> out)
+    : columns_(columns), out_(out) {
+  std::fill(out_.begin(), out_.end(), ColumnSummary{kNan, kNan, kNan, kNan, kNan, kNan});
+}
+
+void RowSummary::take(double time, const double* row) {
+  for (std::size_t i = 0; i < columns_.size(); ++i) {
+    const double value = row[columns_[i]];
+    ColumnSummary& s = out_[i];
+    if (rows_ == 0) {
+      s = {value, value, time, time, value, value};
+      continue;
+    }
+    // NaN is kept, and nothing is smaller or larger.
+    if (value < s.minimum || (std::isnan(value) && !std::isnan(s.minimum))) {
+      s.minimum = value;
+      s.minimum_time = time;
+    }
+    if (value > s.maximum || (std::isnan(value) && !std::isnan(s.maximum))) {
+      s.maximum = value;
+      s.maximum_time = time;
+    }
+    s.mean += value;
+    s.last = value;
+  }
+  ++rows_;
+}
+
+void RowSummary::finish() {
+  for (ColumnSummary& s : out_) s.mean /= static_cast<double>(rows_);
+}
+
+void RowStream::take(double time, const double* row) {
+  if (seen_++ % selection_->every != 0) return;
+  times_.push_back(time);
+  for (const std::size_t c : columns_) values_.push_back(row[c]);
+  if (times_.size() == selection_->block) give();
+}
+
+// Returns the memory: only members that run have some.
+void RowStream::finish() {
+  if (!times_.empty()) give();
+  times_ = {};
+  values_ = {};
+}
+
+void RowStream::give() {
+  (*sink_)({member_, times_, values_});
+  times_.clear();
+  values_.clear();
+}
+
+}  // namespace assur

@@ -1,0 +1,59 @@
+// Take the rows of a member one after the other, so that a run stores no row.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "assur/ensemble.hpp"
+
+namespace assur {
+
+class RowTaker {
+ public:
+  virtual ~RowTaker() = default;
+  // Takes the next row: all columns.
+  virtual void take(double time, const double* row) = 0;
+  // After the last row, if there was one.
+  virtual void finish() = 0;
+};
+
+// Summarises some columns.
+class RowSummary : public RowTaker {
+ public:
+  // columns: indices; `out` has one summary for each, NaN until there is a row. Both must outlive this object.
+  RowSummary(std::span<const std::size_t> columns, std::span<ColumnSummary> out);
+
+  void take(double time, const double* row) override;
+  void finish() override;
+
+ private:
+  std::span<const std::size_t> columns_;
+  std::span<ColumnSummary> out_;
+  std::int64_t rows_ = 0;
+};
+
+// Gives rows to a sink, block by block.
+class RowStream : public RowTaker {
+ public:
+  // columns: indices. All arguments must outlive this object.
+  RowStream(std::size_t member, std::span<const std::size_t> columns, const RowSelection& selection,
+            const RowSink& sink)
+      : member_(member), columns_(columns), selection_(&selection), sink_(&sink) {}
+
+  void take(double time, const double* row) override;
+  void finish() override;
+
+ private:
+  void give();
+
+  std::size_t member_;
+  std::span<const std::size_t> columns_;
+  const RowSelection* selection_;
+  const RowSink* sink_;
+  std::size_t seen_ = 0;  // rows
+  std::vector<double> times_, values_;
+};
+
+}  // namespace assur
