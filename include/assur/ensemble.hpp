@@ -87,8 +87,8 @@ class EnsembleSummary {
 
 // The rows of Ensemble::stream().
 struct RowSelection {
-  std::vector<std::string> columns = {};                      // empty: all
-  std::size_t every = 1;                                      // every n-th row, beginning with the first; at least 1
+  std::vector<std::string> columns = {};                        // empty: all
+  std::size_t every = 1;                                        // every n-th row, beginning with the first; at least 1
   std::size_t block = std::numeric_limits<std::size_t>::max();  // most rows that are given at once; at least 1
 };
 
@@ -105,6 +105,10 @@ using RowSink = std::function<void(const MemberRows& rows)>;
 // reads back as the same double; NaN is empty. Rows that a member did not reach are left out. If writing
 // fails, the state of `out` says so.
 void write_csv(std::ostream& out, const EnsembleTrajectory& trajectory);
+
+// Writes NumPy's format .npy like write_npy() of a Trajectory: an array of members x rows, with the fields `t` and all
+// outputs. In rows that a member did not reach the outputs are NaN.
+void write_npy(std::ostream& out, const EnsembleTrajectory& trajectory, const NpyOptions& options = {});
 
 // Runs the members of an ensemble. Threads may use ensembles as they use simulators: each ensemble serves one thread at
 // a time, and different ensembles share no data that changes. After a fork(), both processes may use those ensembles
@@ -137,13 +141,13 @@ class Ensemble {
   // The members are rows of a table: `scene` with other values of its parameters and numbers, as by
   // Scene::with_values(). values[i * names.size() + k] is the value of names[k] in the i-th member. No scene is made
   // for a member: how its numbers follow from the values is recorded once and repeated in the lanes in which members
-  // run, and start postures are assembled there, from the guesses that the values give. Parts of the mechanism that no
-  // output depends on are not assembled. Members whose start posture is not near their guess (a quarter of a typical
-  // length), or whose equations differ from those of the first member, are prepared one by one when they run, and so
-  // are all members of a scene with redundant equations, parts at rest, gears, or functions of the program;
-  // report().fallbacks then gives their number and the reason. All members use the time grid of prepared(). `options`
-  // as in prepare(); otherwise as above. Throws Error (input) also for an unknown or repeated name, and for values that
-  // do not make whole rows. Needs the library assur::assur.
+  // run. Start postures are assembled there, too, from the guesses that the values give; parts of the mechanism that no
+  // output depends on may be left out of this. Members whose start posture does not follow from the guess group by
+  // group, or whose equations differ from those of the first member, are prepared one by one when they run, and so are
+  // all members of a scene with redundant equations, gears, or functions of the program; report().fallbacks then gives
+  // their number and the reason. All members use the time grid of prepared(). `options` as in prepare(); otherwise as
+  // above. Throws Error (input) also for an unknown or repeated name, and for values that do not make whole rows. Needs
+  // the library assur::assur.
   Ensemble(const Scene& scene, std::vector<std::string> names, std::vector<double> values,
            const PrepareOptions& options = {}, StepLimits limits = {});
   Ensemble(Ensemble&&) noexcept;             // the other ensemble may then only be destroyed or assigned to
@@ -176,8 +180,8 @@ class Ensemble {
   // Runs all members as run() does, and gives rows to `sink` instead of keeping them: all rows of a member when it is
   // done, or block by block. All threads of the plan call the sink, each for members of its own; the blocks of a member
   // come in their order. A member that reached no row gives none; outcomes() tells why. Rows are those of run(), bit by
-  // bit. Exceptions from the sink propagate. Throws as run(), and Error (input) for an unknown column, an empty sink, or
-  // a number that is 0 in `selection`.
+  // bit. Exceptions from the sink propagate. Throws as run(), and Error (input) for an unknown column, an empty sink,
+  // or a number that is 0 in `selection`.
   void stream(const RowSelection& selection, const RowSink& sink, const Simulator::Observer& observer = {});
   // The same over `times` (s).
   void stream(const RowSelection& selection, const RowSink& sink, std::span<const double> times,

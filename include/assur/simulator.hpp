@@ -54,6 +54,17 @@ class Trajectory {
 // double; NaN is empty. If writing fails, the state of `out` says so.
 void write_csv(std::ostream& out, const Trajectory& trajectory);
 
+// Rows and numbers of write_npy().
+struct NpyOptions {
+  std::size_t every = 1;  // every n-th row, beginning with the first; at least 1
+  bool single = false;    // true: in single precision
+};
+
+// Writes NumPy's format .npy (version 1.0, or 2.0 for very many columns): a structured array with one entry for each
+// row, and the fields `t` and all outputs, so that numpy.load(file)["C.x"] is a column. Failures as in write_csv().
+// Throws Error (input) for `every` = 0.
+void write_npy(std::ostream& out, const Trajectory& trajectory, const NpyOptions& options = {});
+
 // Limits of one step, e.g. for a control loop.
 struct StepLimits {
   // Exactly this many Newton iterations for each group that depends on other groups and each part of a divided step,

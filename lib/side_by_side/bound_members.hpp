@@ -23,7 +23,11 @@ class MemberBinder {
   // variants are valid until the next call.
   virtual void bind(std::span<const std::size_t> members, std::span<const Variant*> variants) = 0;
 
-  // True if the posture that was assembled from the guess of a variant is the one that prepare() would find.
+  // Assembles the posture of the i-th member of bind() as prepare() does, from its guess. False if that is not enough
+  // to find it, so that the member must be prepared.
+  [[nodiscard]] virtual bool assemble(std::size_t i) = 0;
+
+  // True if the posture that was assembled from the one of a variant is the one that prepare() would find.
   [[nodiscard]] virtual bool is_start(const Variant& guess, std::span<const double> posture) const = 0;
 };
 
@@ -41,7 +45,8 @@ class BoundMembers {
   [[nodiscard]] virtual std::unique_ptr<MemberBinder> binder(std::size_t lanes) const = 0;
   // Throws Error like assur::prepare().
   [[nodiscard]] virtual Prepared prepare(std::size_t member) const = 0;
-  // Replaces the members. False: the binders serve them, too. Throws Error (input) if the values do not make whole rows.
+  // Replaces the members. False: the binders serve them, too. Throws Error (input) if the values do not make whole
+  // rows.
   virtual bool take(std::vector<double> values) = 0;
 };
 

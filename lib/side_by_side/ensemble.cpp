@@ -115,8 +115,8 @@ struct Ensemble::Impl {
   // Where the rows of the members go.
   struct Results {
     std::span<const double> times;
-    std::vector<std::size_t>& rows;     // receives the number of rows of each member
-    double* values = nullptr;           // members x times x columns, or
+    std::vector<std::size_t>& rows;  // receives the number of rows of each member
+    double* values = nullptr;        // members x times x columns, or
     std::function<RowTaker&(std::size_t member)> taker = {};
   };
 
@@ -205,11 +205,12 @@ struct Ensemble::Impl {
                   progress);
     }
     if (unbound.empty()) return;
-    report.fallbacks.push_back(std::to_string(unbound.size()) + " of " + std::to_string(cannot.size()) +
-                               " members were prepared one by one, because " +
-                               (bound->why_not().empty()
-                                    ? "their start posture is not near their guess, or their equations differ"
-                                    : bound->why_not()));
+    report.fallbacks.push_back(
+        std::to_string(unbound.size()) + " of " + std::to_string(cannot.size()) +
+        " members were prepared one by one, because " +
+        (bound->why_not().empty()
+             ? "their start posture does not follow from their guess group by group, or their equations differ"
+             : bound->why_not()));
   }
 
   // Prepares members of the table, and runs them.

@@ -130,8 +130,8 @@ Recipe::Target::Target(const Recipe& recipe, System& system) {
   }
 }
 
-void Recipe::Target::set(const Replay& replay, std::size_t lane) {
-  std::size_t i = 0;
+void Recipe::Target::set(const Replay& replay, std::size_t lane, std::size_t first) {
+  std::size_t i = first;
   for (double* const number : numbers_) *number = replay.wanted(i++)[lane];
   for (OfLaw& of : laws_) {
     for (double* const number : of.numbers) *number = replay.wanted(i++)[lane];

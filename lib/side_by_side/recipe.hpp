@@ -31,8 +31,8 @@ class Recipe {
   class Target {
    public:
     Target(const Recipe& recipe, System& system);
-    // Sets the numbers that a replay has computed for a lane.
-    void set(const Replay& replay, std::size_t lane);
+    // Sets the numbers that a replay has computed for a lane; `first`: place of the first one among its wanted numbers.
+    void set(const Replay& replay, std::size_t lane, std::size_t first = 0);
 
    private:
     struct OfLaw {

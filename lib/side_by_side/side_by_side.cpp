@@ -130,19 +130,21 @@ bool SideBySide::start(const Lanes& lanes, std::span<const Variant* const> varia
   return tile_.start(these).ok();
 }
 
+// Those of the lanes that start near their guess; none if they cannot start together.
+SideBySide::Lanes SideBySide::started_near(const Lanes& lanes, std::span<const Variant* const> variants) {
+  Lanes able;
+  if (lanes.empty() || !start(lanes, variants)) return able;
+  for (std::size_t i = 0; i < lanes.size(); ++i) {
+    if (binder_->is_start(*variants[lanes[i]], tile_.posture(static_cast<int>(i)))) able.push_back(lanes[i]);
+  }
+  return able;
+}
+
 // Those of the lanes that can start. in_tile: receives the lanes that are in the tile, if they started.
 SideBySide::Lanes SideBySide::startable(const Lanes& lanes, std::span<const Variant* const> variants, Lanes& in_tile) {
-  Lanes able;
-  in_tile.clear();
-  if (lanes.empty()) return able;
-  if (start(lanes, variants)) {
-    in_tile = lanes;
-    for (std::size_t i = 0; i < lanes.size(); ++i) {
-      if (binder_->is_start(*variants[lanes[i]], tile_.posture(static_cast<int>(i)))) able.push_back(lanes[i]);
-    }
-    return able;
-  }
-  if (lanes.size() == 1) return able;
+  Lanes able = started_near(lanes, variants);
+  in_tile = able.empty() ? Lanes() : lanes;
+  if (!able.empty() || lanes.size() <= 1) return able;
   const auto middle = lanes.begin() + static_cast<std::ptrdiff_t>(lanes.size() / 2);
   for (const Lanes& half : {Lanes(lanes.begin(), middle), Lanes(middle, lanes.end())}) {
     const Lanes of_half = startable(half, variants, in_tile);
@@ -161,8 +163,14 @@ void SideBySide::assemble(std::vector<LaneRun*>& together, std::vector<Variant>&
   for (std::size_t i = 0; i < members.size(); ++i) {
     if (variants[i] != nullptr) bound.push_back(i);
   }
-  Lanes able = startable(bound, variants, in_tile);
-  if (!able.empty() && able != in_tile && !(able.size() < bound.size() && start(able, variants))) able.clear();
+  Lanes able = started_near(bound, variants);
+  if (able != bound) {
+    std::erase_if(bound, [&](std::size_t i) {
+      return std::find(able.begin(), able.end(), i) == able.end() && !binder_->assemble(i);
+    });
+    able = startable(bound, variants, in_tile);
+    if (!able.empty() && able != in_tile && !(able.size() < bound.size() && start(able, variants))) able.clear();
+  }
   std::vector<LaneRun*> started;
   for (LaneRun* lane : together) lane->unbound = true;
   for (const std::size_t i : able) {

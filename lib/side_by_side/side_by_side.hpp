@@ -24,7 +24,7 @@ struct LaneRun {
   bool unbound = false;           // true: the member was not bound and has not run, because it must be prepared
   std::span<const double> times;  // the first one is that of the variant
   double* rows = nullptr;         // receives the first `split` rows of results; `beyond` the others
-  RowTaker* taker = nullptr;  // not null: takes each row, and only the latest one is kept
+  RowTaker* taker = nullptr;      // not null: takes each row, and only the latest one is kept
   double* beyond = nullptr;
   std::size_t split = static_cast<std::size_t>(-1);
   std::size_t done = 0;  // rows filled
@@ -82,6 +82,7 @@ class SideBySide {
   // Lanes, by their index.
   using Lanes = std::vector<std::size_t>;
   [[nodiscard]] bool start(const Lanes& lanes, std::span<const Variant* const> variants);
+  [[nodiscard]] Lanes started_near(const Lanes& lanes, std::span<const Variant* const> variants);
   [[nodiscard]] Lanes startable(const Lanes& lanes, std::span<const Variant* const> variants, Lanes& in_tile);
   void assemble(std::vector<LaneRun*>& together, std::vector<Variant>& at);
   [[nodiscard]] std::size_t follow(std::span<LaneRun* const> lanes, std::size_t from,

@@ -9,7 +9,9 @@
 
 #include "assur/ensemble.hpp"
 #include "index.hpp"
+#include "scene/lowering.hpp"
 #include "scene/names.hpp"
+#include "scene/own_values.hpp"
 #include "scene/residual_scale.hpp"
 #include "scene/scene_source.hpp"
 #include "structure/assembly.hpp"
@@ -53,10 +55,10 @@ bool alike(const Prepared& a, const Prepared& b) {
 
 }  // namespace
 
-// Replays the recorded computation for the members in the lanes.
+// Replays the recorded computation for the members in the lanes of one tile.
 class ValueTable::Binder : public MemberBinder {
  public:
-  Binder(const ValueTable& table, std::size_t lanes) : table_(table), replay_(*table.tape_, table.recipe_->wanted(), lanes) {
+  Binder(const ValueTable& table, std::size_t lanes) : table_(table), replay_(*table.tape_, wanted_of(table), lanes) {
     const Structure& structure = *table.structure_;
     near_.reserve(structure.system->coordinates.size());
     for (const Group& g : structure.groups) near_.insert(near_.end(), g.unknowns.begin(), g.unknowns.end());
@@ -68,6 +70,7 @@ class ValueTable::Binder : public MemberBinder {
     parameters_.resize(lanes * table.varying_.size());
     pointers_.resize(lanes);
     for (std::size_t l = 0; l < lanes; ++l) pointers_[l] = parameters_.data() + l * table.varying_.size();
+    if (table.assembly_) assembly_.emplace(*table.assembly_);
   }
 
   void bind(std::span<const std::size_t> members, std::span<const Variant*> variants) override {
@@ -80,9 +83,29 @@ class ValueTable::Binder : public MemberBinder {
     for (std::size_t l = 0; l < members.size(); ++l) {
       variants[l] = nullptr;
       if (!replay_.holds(l) || !table_.has_constants(members[l])) continue;
-      lanes_[l].set(replay_, l, from_guess_);
-      if (static_parts_hold(lanes_[l])) variants[l] = &lanes_[l].variant;
+      lanes_[l].set(replay_, l, *this);
+      if (static_parts_hold(lanes_[l]) || assemble(l)) variants[l] = &lanes_[l].variant;
     }
+  }
+
+  bool assemble(std::size_t i) override {
+    if (!assembly_) return false;
+    const Blocks& blocks = table_.assembly_->blocks;
+    const System& s = assembly_->system;
+    assembly_->target.set(replay_, i, table_.recipe_->wanted().size());
+    std::vector<double> q = s.guess;
+    if (!drive(s, table_.first_->time.start, q.data(), nullptr, nullptr).ok()) return false;
+    for (Index b = 0; b < blocks.size(); ++b) {
+      const BlockAssembly a = assur::assemble(s, blocks.equations_of(b), blocks.unknowns_of(b), q, assembly_->column);
+      if (!a.converged || a.singular) return false;
+    }
+    // prepare() may find another posture if drivers have not the values of their laws.
+    const auto is_wrong = [&](const DriverInput& in) { return mismatch(s, in, q).has_value(); };
+    if (!undefined_driver(s, q).empty() || std::any_of(s.inputs.begin(), s.inputs.end(), is_wrong)) return false;
+    std::vector<double>& posture = lanes_[i].variant.posture;
+    for (const Index c : near_) posture[idx(c)] = q[idx(c)];
+    for (const Index c : table_.structure_->static_coordinates) posture[idx(c)] = q[idx(c)];
+    return true;
   }
 
   [[nodiscard]] bool is_start(const Variant& guess, std::span<const double> posture) const override {
@@ -111,9 +134,12 @@ class ValueTable::Binder : public MemberBinder {
                   Variant::Changes{table.recipe_->has_outputs(), table.recipe_->has_laws(),
                                    table.recipe_->has_assignments()}} {}
 
-    void set(const Replay& replay, std::size_t lane, std::span<const Index> unknowns) {
+    // The posture does not depend on the member that the lane had before.
+    void set(const Replay& replay, std::size_t lane, const Binder& binder) {
       target.set(replay, lane);
-      for (const Index c : unknowns) variant.posture[idx(c)] = system->guess[idx(c)];
+      const Structure& recorded = *binder.table_.structure_;
+      for (const Index c : recorded.static_coordinates) variant.posture[idx(c)] = recorded.start[idx(c)];
+      for (const Index c : binder.from_guess_) variant.posture[idx(c)] = system->guess[idx(c)];
     }
 
     std::shared_ptr<System> system;
@@ -142,6 +168,24 @@ class ValueTable::Binder : public MemberBinder {
     }
   }
 
+  // The equations before presolve, with the numbers of one member.
+  struct OneMember {
+    explicit OneMember(const Assembly& of)
+        : system(of.system), target(of.recipe, system), column(system.coordinates.size(), -1) {}
+
+    System system;
+    Recipe::Target target;
+    std::vector<Index> column;  // scratch of assemble()
+  };
+
+  static std::vector<Tape::Node> wanted_of(const ValueTable& table) {
+    std::vector<Tape::Node> wanted = table.recipe_->wanted();
+    if (!table.assembly_) return wanted;
+    const std::vector<Tape::Node>& more = table.assembly_->recipe.wanted();
+    wanted.insert(wanted.end(), more.begin(), more.end());
+    return wanted;
+  }
+
   [[nodiscard]] bool static_parts_hold(Lane& lane) const {
     if (static_equations_.empty()) return true;
     Variant& v = lane.variant;
@@ -164,7 +208,8 @@ class ValueTable::Binder : public MemberBinder {
         const auto& forms = s.items[idx(item)].form;
         return std::all_of(std::begin(forms), std::end(forms), [&](Index form) {
           const auto terms = s.form(form);
-          return std::all_of(terms.begin(), terms.end(), [&](const Term& t) { return computed[idx(t.coordinate)] != 0; });
+          return std::all_of(terms.begin(), terms.end(),
+                             [&](const Term& t) { return computed[idx(t.coordinate)] != 0; });
         });
       });
       if (all) frames_.push_back(f);
@@ -173,12 +218,13 @@ class ValueTable::Binder : public MemberBinder {
 
   const ValueTable& table_;
   Replay replay_;
-  std::vector<Index> near_;           // unknowns of the groups
-  std::vector<std::size_t> frames_;   // indices into System::frames
-  std::vector<Index> from_guess_;     // coordinates that begin at their guess
+  std::vector<Index> near_;          // unknowns of the groups
+  std::vector<std::size_t> frames_;  // indices into System::frames
+  std::vector<Index> from_guess_;    // coordinates that begin at their guess
   std::vector<Index> static_equations_;
+  std::optional<OneMember> assembly_;
   std::vector<Lane> lanes_;
-  std::vector<double> parameters_;    // lanes x varying columns
+  std::vector<double> parameters_;       // lanes x varying columns
   std::vector<const double*> pointers_;  // lanes
 };
 
@@ -203,10 +249,13 @@ void ValueTable::check_size(std::size_t values) const {
                                       std::to_string(values) + " values are no whole rows");
 }
 
-Prepared ValueTable::prepare(std::span<const double> row) const {
+Scene ValueTable::scene_at(std::span<const double> row) const {
   Parameters values;
   for (std::size_t k = 0; k < names_.size(); ++k) values.emplace(names_[k], row[k]);
-  const Scene scene = scene_.with_values(values);
+  return scene_.with_values(values);
+}
+
+Prepared ValueTable::prepare(const Scene& scene) const {
   return first_ ? prepare_like(*first_, scene, options_) : assur::prepare(scene, options_);
 }
 
@@ -214,7 +263,7 @@ void ValueTable::prepare_first() {
   std::optional<Error> first_error;
   for (std::size_t i = 0; i < count() && !first_; ++i) {
     try {
-      first_ = prepare(i);
+      first_ = ValueTable::prepare(i);
     } catch (const Error& e) {
       if (e.kind() == Error::Kind::environment) throw;
       if (!first_error) first_error = e;
@@ -255,15 +304,19 @@ void ValueTable::record() {
   if (!why_not_.empty()) return;
   recorded_.assign(row(0).begin(), row(0).end());
   means_.assign(names_.size(), 0);
-  std::vector<std::uint8_t> varies(names_.size(), 0);
-  for (std::size_t i = 0; i < values_.size(); ++i) {
-    const std::size_t k = i % names_.size();
-    means_[k] += values_[i] / static_cast<double>(count());
-    if (!same_bits(values_[i], recorded_[k])) varies[k] = 1;
-  }
   varying_.clear();
   for (std::size_t k = 0; k < names_.size(); ++k) {
-    if (varies[k] != 0) varying_.push_back(k);
+    bool varies = false;
+    double finite = 0;
+    for (std::size_t i = 0; i < count(); ++i) {
+      const double value = row(i)[k];
+      varies = varies || !same_bits(value, recorded_[k]);
+      if (!std::isfinite(value)) continue;
+      means_[k] += value;
+      ++finite;
+    }
+    means_[k] /= std::max(finite, 1.0);
+    if (varies) varying_.push_back(k);
   }
   const std::size_t stride = std::max<std::size_t>(count() / kMostRecorded, 1);
   for (std::size_t i = 0; i < count(); i += stride) {
@@ -282,19 +335,41 @@ bool ValueTable::record_at(std::size_t member) {
   tape_ = std::make_unique<Tape>(parameters);
   try {
     const Tape::Recording recording(tape_.get());
-    const Prepared p = prepare(point);
+    const Scene scene = scene_at(point);
+    const Prepared p = prepare(scene);
     if (!alike(*first_, p)) return false;
     if (tape_->find(p.time.start) != Tape::kNone) {
       why_not_ = "the start time depends on the values";
       return false;
     }
     structure_ = p.structure;
+    record_assembly(scene);
   } catch (const Error& e) {
     if (e.kind() == Error::Kind::environment) throw;
     return false;
   }
   recipe_.emplace(*tape_, *structure_->system, why_not_);
   return why_not_.empty() && is_verified();
+}
+
+void ValueTable::record_assembly(const Scene& scene) {
+  assembly_.reset();
+  const bool groups = structure_->formulation != Formulation::irreducible;
+  System s = lower(std::make_shared<const Scene>(scene), options_.controlled, groups);
+  std::vector<Index> unknowns, equations, mentioned;
+  const auto is_unknown = [&](Index c) { return s.coordinates[idx(c)].role == Role::unknown; };
+  for (Index c = 0; c < static_cast<Index>(s.coordinates.size()); ++c) {
+    if (is_unknown(c)) unknowns.push_back(c);
+  }
+  for (Index e = 0; e < static_cast<Index>(s.equations.size()); ++e) {
+    s.mentioned(e, mentioned);
+    if (std::any_of(mentioned.begin(), mentioned.end(), is_unknown)) equations.push_back(e);
+  }
+  Blocks blocks = decompose(s, equations, unknowns);
+  std::string why_not;
+  Recipe recipe(*tape_, s, why_not);
+  if (!blocks.square() || !why_not.empty() || s.coordinates.size() != structure_->system->coordinates.size()) return;
+  assembly_.emplace(Assembly{std::move(s), std::move(blocks), std::move(recipe)});
 }
 
 // Compares the recorded computation with the real one at other points. A number that was computed in plain double was
@@ -331,13 +406,14 @@ ValueTable::Check ValueTable::check(std::span<const double> row) const {
   System replayed = *structure_->system;
   Recipe::Target(*recipe_, replayed).set(replay, 0);
   try {
-    const Prepared p = prepare(row);
+    const Prepared p = prepare(scene_at(row));
     const System& real = *p.structure->system;
-    if (!alike(*first_, p) || real.length_exponent != replayed.length_exponent) return Check::does_not_apply;
-    return Recipe::same_numbers(replayed, real) ? Check::same : Check::differs;
+    if (real.length_exponent != replayed.length_exponent) return Check::does_not_apply;
+    return alike(*first_, p) && Recipe::same_numbers(replayed, real) ? Check::same : Check::differs;
   } catch (const Error& e) {
     if (e.kind() == Error::Kind::environment) throw;
-    return Check::does_not_apply;
+    // A posture that cannot be assembled says nothing; a scene that is refused should not have been replayed.
+    return e.kind() == Error::Kind::numerical ? Check::does_not_apply : Check::differs;
   }
 }
 

@@ -12,6 +12,7 @@
 #include "scene/replay.hpp"
 #include "side_by_side/bound_members.hpp"
 #include "side_by_side/recipe.hpp"
+#include "structure/blocks.hpp"
 
 namespace assur {
 
@@ -25,7 +26,7 @@ class ValueTable : public BoundMembers {
   [[nodiscard]] const Prepared& first() const override { return *first_; }
   [[nodiscard]] const std::string& why_not() const override { return why_not_; }
   [[nodiscard]] std::unique_ptr<MemberBinder> binder(std::size_t lanes) const override;
-  [[nodiscard]] Prepared prepare(std::size_t member) const override { return prepare(row(member)); }
+  [[nodiscard]] Prepared prepare(std::size_t member) const override { return prepare(scene_at(row(member))); }
   bool take(std::vector<double> values) override;
 
  private:
@@ -34,10 +35,12 @@ class ValueTable : public BoundMembers {
     return std::span(values_).subspan(member * names_.size(), names_.size());
   }
   void check_size(std::size_t values) const;
-  [[nodiscard]] Prepared prepare(std::span<const double> row) const;
+  [[nodiscard]] Scene scene_at(std::span<const double> row) const;
+  [[nodiscard]] Prepared prepare(const Scene& scene) const;
   [[nodiscard]] std::vector<double> between(std::size_t member, double from, double to) const;
   [[nodiscard]] bool has_constants(std::size_t member) const;
   void prepare_first();
+  void record_assembly(const Scene& scene);
   void record();
   [[nodiscard]] bool record_at(std::size_t member);
   [[nodiscard]] bool is_verified();
@@ -57,6 +60,13 @@ class ValueTable : public BoundMembers {
   std::unique_ptr<Tape> tape_;
   std::optional<Recipe> recipe_;
   std::shared_ptr<const Structure> structure_;  // of the recorded mechanism
+  // Its equations before presolve, which prepare() assembles block after block. Empty: they are not enough for that.
+  struct Assembly {
+    System system;
+    Blocks blocks;
+    Recipe recipe;
+  };
+  std::optional<Assembly> assembly_;
 };
 
 }  // namespace assur

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <bit>
 #include <charconv>
 #include <cmath>
 #include <ostream>
@@ -98,6 +99,65 @@ void write_csv(std::ostream& out, const EnsembleTrajectory& trajectory) {
       lines.put(trajectory.row(member, k));
       lines.end();
     }
+  }
+}
+
+namespace {
+
+// Numbers of a file in NumPy's format, in the order of bytes of this machine.
+class NpyNumbers {
+ public:
+  NpyNumbers(std::ostream& out, const std::vector<std::string>& columns, const std::string& shape,
+             const NpyOptions& options)
+      : out_(out), single_(options.single) {
+    if (options.every < 1) throw Error(Error::Kind::input, "NpyOptions::every must be at least 1");
+    const std::string type =
+        std::string(std::endian::native == std::endian::little ? "<f" : ">f") + (single_ ? "4" : "8");
+    std::string header = "{'descr': [('t', '" + type + "')";
+    for (const std::string& column : columns) header += ", ('" + column + "', '" + type + "')";
+    header += "], 'fortran_order': False, 'shape': (" + shape + "), }";
+    // The numbers begin at a multiple of 64 bytes; the header ends with a line feed.
+    const bool is_long = header.size() > 65'000;
+    const std::size_t before = is_long ? 12 : 10, size = (before + header.size()) / 64 * 64 + 64 - before;
+    header.resize(size - 1, ' ');
+    out_ << "\x93NUMPY" << (is_long ? '\2' : '\1') << '\0';
+    for (int byte = 0; byte < (is_long ? 4 : 2); ++byte) out_.put(static_cast<char>(size >> (8 * byte) & 0xff));
+    out_ << header << '\n';
+  }
+
+  void put(double number) {
+    const auto write = [&](auto value) { out_.write(reinterpret_cast<const char*>(&value), sizeof value); };
+    if (single_) return write(static_cast<float>(number));
+    write(number);
+  }
+  void put(double time, std::span<const double> row) {
+    put(time);
+    for (const double x : row) put(x);
+  }
+
+ private:
+  std::ostream& out_;
+  bool single_;
+};
+
+std::size_t kept(std::size_t rows, const NpyOptions& options) {
+  return options.every < 1 ? 0 : (rows + options.every - 1) / options.every;
+}
+
+}  // namespace
+
+void write_npy(std::ostream& out, const Trajectory& trajectory, const NpyOptions& options) {
+  NpyNumbers numbers(out, trajectory.columns(), std::to_string(kept(trajectory.rows(), options)) + ",", options);
+  for (std::size_t k = 0; k < trajectory.rows(); k += options.every)
+    numbers.put(trajectory.times()[k], trajectory.row(k));
+}
+
+void write_npy(std::ostream& out, const EnsembleTrajectory& trajectory, const NpyOptions& options) {
+  const std::vector<double>& times = trajectory.times();
+  const std::string shape = std::to_string(trajectory.members()) + ", " + std::to_string(kept(times.size(), options));
+  NpyNumbers numbers(out, trajectory.columns(), shape, options);
+  for (std::size_t i = 0; i < trajectory.members(); ++i) {
+    for (std::size_t k = 0; k < times.size(); k += options.every) numbers.put(times[k], trajectory.row(i, k));
   }
 }
 

@@ -159,7 +159,7 @@ TEST(SweepLinkages, RefusesWrongOptions) {
   expect({"linkages:bars=5", "--samples", "9", "--out", out}, "linkages has the options joints=5..20, times=200");
   expect({"four_bar", "--samples", "9", "--out", out}, "--vary: give the parameters to vary");
   expect({"four_bar", "--samples", "9", "--out", out, "--vary", "omega=1:2", "--target", "a.csv"},
-         "--target: is for the sample linkages only");
+         "--target: give the point whose path is compared with the curve: --trace POINT");
 }
 
 }  // namespace

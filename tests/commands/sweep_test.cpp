@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
 #include <fstream>
 #include <sstream>
 
@@ -117,8 +118,8 @@ TEST(Sweep, APageShowsAllRows) {
 TEST(Sweep, RangesAndThreadsDoNotMatter) {
   const Scratch scratch;
   for (const std::string sampler : {"random", "grid"}) {
-    const std::vector<std::string> what = {"--samples", "900", "--sampler",  sampler,
-                                           "--seed",    "5",   "--strategy", "groups/lanes:8"};
+    const std::vector<std::string> what = {"--samples", "3600", "--sampler",  sampler,
+                                           "--seed",    "5",    "--strategy", "groups/lanes:8"};
     const auto rows_of = [&](const std::string& name, std::vector<std::string> more) {
       more.insert(more.end(), what.begin(), what.end());
       const Outcome outcome = run_command(sweep_of(scratch.file(name), more));
@@ -129,7 +130,7 @@ TEST(Sweep, RangesAndThreadsDoNotMatter) {
     const std::string all = rows_of("all" + sampler, {"--threads", "1"});
     EXPECT_EQ(rows_of("two" + sampler, {"--threads", "2"}), all);
     std::string parts;
-    for (const std::string range : {"0:1", "1:300", "300:512", "512:899", "899:900"}) {
+    for (const std::string range : {"0:1", "1:1300", "1300:2048", "2048:3599", "3599:3600"}) {
       parts += rows_of(range + sampler, {"--range", range});
     }
     EXPECT_EQ(parts, all);
@@ -139,7 +140,7 @@ TEST(Sweep, RangesAndThreadsDoNotMatter) {
 // A file that ends anywhere is continued to the same file.
 TEST(Sweep, ContinuesAFileThatWasCutAnywhere) {
   const Scratch scratch;
-  const std::vector<std::string> what = {"--samples", "600", "--range", "100:600", "--best", "2", "--json"};
+  const std::vector<std::string> what = {"--samples", "3000", "--range", "100:3000", "--best", "2", "--json"};
   const std::string out = scratch.file("rows.csv");
   const Outcome whole = run_command(sweep_of(out, what));
   ASSERT_EQ(whole.status, 0) << whole.err;
@@ -162,13 +163,13 @@ TEST(Sweep, ContinuesAFileThatWasCutAnywhere) {
     std::vector<std::string> more;
     std::string before, text;
   };
-  for (const Refused& r : {Refused{{"--range", "100:600", "--seed", "1"}, half, "has another row for sample"},
-                           Refused{{"--range", "100:600", "--reduce", "max"}, half, "has not the columns"},
-                           Refused{{"--range", "0:600"}, half, "where this sweep has 0"},
-                           Refused{{"--range", "100:600", "--seed", "1"}, all, "has another row for sample"},
-                           Refused{{"--range", "100:599"}, all, "has more than the 499 samples"}}) {
+  for (const Refused& r : {Refused{{"--range", "100:3000", "--seed", "1"}, half, "has another row for sample"},
+                           Refused{{"--range", "100:3000", "--reduce", "max"}, half, "has not the columns"},
+                           Refused{{"--range", "0:3000"}, half, "where this sweep has 0"},
+                           Refused{{"--range", "100:3000", "--seed", "1"}, all, "has another row for sample"},
+                           Refused{{"--range", "100:2999"}, all, "has more than the 2,899 samples"}}) {
     std::ofstream(out, std::ios::binary) << r.before;
-    std::vector<std::string> more = {"--samples", "600"};
+    std::vector<std::string> more = {"--samples", "3000"};
     more.insert(more.end(), r.more.begin(), r.more.end());
     const Outcome refused = run_command(sweep_of(out, more));
     EXPECT_EQ(refused.status, 2);
@@ -180,19 +181,75 @@ TEST(Sweep, ContinuesAFileThatWasCutAnywhere) {
 TEST(Sweep, AnInterruptedSweepKeepsItsRowsAndGoesOn) {
   const Scratch scratch;
   const std::string out = scratch.file("rows.csv"), other = scratch.file("other.csv");
-  const std::vector<std::string> what = {"--samples", "30000"};
+  const std::vector<std::string> what = {"--samples", "3000000"};
   Setting setting;
   setting.interrupt_when_err = "%";
   const Outcome stopped = run_command(sweep_of(out, what), setting);
   if (stopped.status == 0) GTEST_SKIP() << "finished within a second";
   ASSERT_EQ(stopped.status, 130) << stopped.err;
   const auto rows = static_cast<std::int64_t>(cells_of(out).size()) - 1;
-  EXPECT_GE(rows, 256);
-  EXPECT_LT(rows, 30000);
+  EXPECT_GE(rows, 1024);
+  EXPECT_LT(rows, 3000000);
   std::vector<std::string> part = what;
   part.insert(part.end(), {"--range", "0:" + std::to_string(rows)});
   ASSERT_EQ(run_command(sweep_of(other, part)).status, 0);
   EXPECT_TRUE(content(out) == content(other));
+}
+
+// The path of B1 of a four-bar with these lengths, at 51 times, by hand.
+std::string path_of(double crank, double coupler, double rocker) {
+  std::ostringstream text;
+  text.precision(17);
+  text << "x,y\n";
+  for (int k = 0; k <= 50; ++k) {
+    const double angle = 2 * 3.14159265358979323846 * 0.02 * k, x = crank * std::cos(angle),
+                 y = crank * std::sin(angle);
+    const double dx = 2 - x, dy = -y, square = dx * dx + dy * dy;
+    const double u = (square + coupler * coupler - rocker * rocker) / (2 * square),
+                 v = std::sqrt(coupler * coupler / square - u * u);
+    text << x + u * dx - v * dy << ',' << y + u * dy + v * dx << '\n';
+  }
+  return text.str();
+}
+
+TEST(Sweep, ComparesAPathWithACurve) {
+  const Scratch scratch;
+  const std::string out = scratch.file("rows.csv"), target = scratch.file("target.csv");
+  const std::vector<std::string> what = {
+      "sweep",     kFourBar,    "--set",     "steps=50",
+      "--set",     "step=0.02", "--vary",    "crank_length=0.6:0.8,rocker_length=1.2:1.4",
+      "--sampler", "grid",      "--samples", "25",
+      "--outputs", "B1",        "--trace",   "B1",
+      "--target",  target,      "--best",    "1",
+      "--json",    "--out",     out};
+  std::ofstream(target) << path_of(0.7, 1.8, 1.3);  // sample 12 of the grid
+  for (const std::string distance : {"nearest", "timed", "fitted", "shape"}) {
+    std::remove(out.c_str());
+    std::vector<std::string> all = what;
+    all.insert(all.end(), {"--compare", distance});
+    const Outcome outcome = run_command(all);
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    const auto best = outcome.json()["best"][0];
+    EXPECT_EQ(best["sample"], 12) << distance;
+    EXPECT_LT(best["figures"]["B1.distance"], 1e-12) << distance;
+    const auto rows = cells_of(out);
+    EXPECT_EQ(rows[0][5], "B1.distance");
+    for (std::size_t k = 1; k < rows.size(); ++k) {
+      EXPECT_EQ(rows[k][3], "ok");
+      EXPECT_GT(std::stod(rows[k][5]), k == 13 ? -1 : 1e-4) << distance << " " << k;
+    }
+  }
+  std::ofstream(target) << "x,y\n0,0\n1,0\n0,1\n";
+  const auto refusal = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> all = what;
+    all.insert(all.end(), more.begin(), more.end());
+    std::erase(all, "--json");
+    const Outcome outcome = run_command(all);
+    EXPECT_EQ(outcome.status, 2);
+    return outcome.err;
+  };
+  EXPECT_NE(refusal({"--compare", "timed"}).find("has 3 points, and the path 51"), std::string::npos);
+  EXPECT_NE(refusal({"--compare", "far"}).find("--compare"), std::string::npos);
 }
 
 TEST(Sweep, RefusesWrongOptions) {
@@ -208,6 +265,9 @@ TEST(Sweep, RefusesWrongOptions) {
            {{"--samples", "10", "--sampler", "grid"}, "such as 9 or 16"},
            {{"--samples", "0"}, "samples"},
            {{"--samples", "10", "--outputs", "nothing"}, "nothing"},
+           {{"--samples", "10", "--trace", "B1"}, "--target FILE"},
+           {{"--samples", "10", "--target", kFourBar}, "--trace POINT"},
+           {{"--samples", "10", "--target", kFourBar, "--trace", "Z"}, "\"Z\" is not a point among the outputs"},
            {{"--samples", "10", "--strategy", "groups/lanes:8+chunks=8"}, "chunks"}}) {
     const Outcome outcome = run_command(sweep_of(out, more));
     EXPECT_EQ(outcome.status, 2) << text << ": " << outcome.err;

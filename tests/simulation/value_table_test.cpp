@@ -63,9 +63,8 @@ void expect_like_prepared(const Scene& scene, const Table& table, const std::str
   SCOPED_TRACE(scene.name() + " " + strategy);
   Ensemble bound(scene, table.names, table.values, options(strategy));
   const Prepared first = bound.prepared();
-  Ensemble each(table.rows(), [&](std::size_t i) {
-    return prepare_like(first, scene.with_values(table.row(i)), options(strategy));
-  });
+  Ensemble each(table.rows(),
+                [&](std::size_t i) { return prepare_like(first, scene.with_values(table.row(i)), options(strategy)); });
   const EnsembleTrajectory a = bound.run(), b = each.run();
   EXPECT_LE(prepared_one_by_one(bound), most_prepared) << why_one_by_one(bound);
   std::size_t moved = 0;
@@ -104,7 +103,8 @@ TEST(ValueTable, BindsParametersOfFiles) {
 
 TEST(ValueTable, BindsOptionsOfSamples) {
   expect_like_prepared(sample("slider_crank").with_time({0, 0.5, 0.01}),
-                       Table({{"crank_length", 0.1}, {"rod_length", 0.3}, {"offset", 0.02}}, 0.1, 20), "groups/eigen:4");
+                       Table({{"crank_length", 0.1}, {"rod_length", 0.3}, {"offset", 0.02}}, 0.1, 20),
+                       "groups/eigen:4");
   expect_like_prepared(sample("jansen").with_time({0, 0.2, 0.01}),
                        Table({{"La", 0.38}, {"Lb", 0.415}, {"Lc", 0.393}, {"Lm", 0.15}}, 0.01, 20), "groups/lanes:8");
   expect_like_prepared(sample("scissor").with_time({0, 0.5, 0.02}), Table({{"arm", 2}, {"time", 10}}, 0.02, 20),
@@ -158,9 +158,8 @@ TEST(ValueTable, MembersThatCannotBePrepared) {
   Ensemble e(scene, {"crank_length", "coupler_length", "rocker_length"}, values, options("groups/eigen:8 2x1"));
   const EnsembleTrajectory all = e.run();
   for (std::size_t i = 0; i < 40; ++i) {
-    const Parameters set = {{"crank_length", values[3 * i]},
-                            {"coupler_length", values[3 * i + 1]},
-                            {"rocker_length", values[3 * i + 2]}};
+    const Parameters set = {
+        {"crank_length", values[3 * i]}, {"coupler_length", values[3 * i + 1]}, {"rocker_length", values[3 * i + 2]}};
     std::string why;
     try {
       (void)prepare(scene.with_values(set), options("groups/eigen"));
@@ -172,6 +171,7 @@ TEST(ValueTable, MembersThatCannotBePrepared) {
     EXPECT_EQ(all.rows(i) == 0, !why.empty()) << i;
   }
   EXPECT_FALSE(e.outcomes()[3].cannot.empty() || e.outcomes()[11].cannot.empty());
+  EXPECT_LE(prepared_one_by_one(e), 6u) << why_one_by_one(e);
 }
 
 // The sample chooses the side of its start posture by the pivot.
@@ -206,9 +206,10 @@ TEST(ValueTable, MembersThatEndEarly) {
     if (const auto* d = c.as<Distance>(); d != nullptr && d->value) coupler = c.name;
   }
   ASSERT_NE(coupler, "");
-  const double length = *std::find_if(scene.constraints().begin(), scene.constraints().end(), [&](const Constraint& c) {
-                           return c.name == coupler;
-                         })->as<Distance>()->value;
+  const double length = *std::find_if(scene.constraints().begin(), scene.constraints().end(),
+                                      [&](const Constraint& c) { return c.name == coupler; })
+                             ->as<Distance>()
+                             ->value;
   const Table table({{coupler, length}}, 0.02, 16);
   Ensemble e(scene, table.names, table.values, options("groups/eigen:4"));
   const EnsembleTrajectory all = e.run();
@@ -244,7 +245,7 @@ TEST(ValueTable, TakesAnotherTable) {
   Ensemble e(scene, names, {0.8, 1.3, 0.7, 1.3}, options("groups/eigen:4"));
   (void)e.run();
   for (const std::vector<double>& values :
-       {std::vector{0.76, 1.3, 0.77, 1.3, 0.78, 1.3}, std::vector{0.76, 1.28, 0.78, 1.27}, std::vector{0.75, 1.29}}) {
+       {std::vector{0.6, 1.3, 0.5, 1.3, 0.4, 1.3}, std::vector{0.6, 1.2, 0.5, 1.25}, std::vector{0.75, 1.4}}) {
     e.bind(values);
     EXPECT_EQ(e.members(), values.size() / 2);
     EXPECT_TRUE(e.outcomes().empty());

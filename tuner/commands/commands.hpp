@@ -14,6 +14,7 @@
 #include "assur/performance.hpp"
 #include "assur/plan.hpp"
 #include "assur/scene.hpp"
+#include "assur/simulator.hpp"
 #include "assur/strategy.hpp"
 #include "sweep/design_space.hpp"
 
@@ -68,10 +69,12 @@ struct RunOptions {
   double accuracy = 0;               // PrepareOptions::accuracy
   int iterations = 0;                // StepLimits::iterations
   std::string csv;                   // "-": standard output; empty: none
-  std::string errors;                // CSV with the errors of each group in each step; empty: none
-  std::string animate;               // a page on which the mechanism moves; empty: none
-  std::string picture;               // the mechanism in motion, as SVG; empty: none
-  std::string plot;                  // the outputs over time, as SVG; empty: none
+  std::string npy;                   // NumPy array; empty: none
+  NpyOptions npy_how;
+  std::string errors;   // CSV with the errors of each group in each step; empty: none
+  std::string animate;  // a page on which the mechanism moves; empty: none
+  std::string picture;  // the mechanism in motion, as SVG; empty: none
+  std::string plot;     // the outputs over time, as SVG; empty: none
   bool reference = false;
   bool certify = false;
   bool pin = false;  // keeps each thread on its own core
@@ -88,11 +91,11 @@ struct SweepOptions {
   std::vector<std::string> reduce = {"min", "max"};            // figures of each output
   std::int64_t best = 0;                                       // samples to list: those with the smallest first figure
   std::string strategy = "auto";
-  std::string target;  // CSV with a curve to compare paths with; empty: none
-  std::string trace;   // the point whose path is compared; empty: the last joint of linkages, or none
+  std::string target;               // CSV with a curve to compare paths with; empty: none
+  std::string trace;                // the point whose path is compared; empty: the last joint of linkages, or none
   std::string compare = "nearest";  // name of the distance; linkages have shape distances
-  std::string out;     // CSV with a row for each sample
-  std::string html;    // a page with figures over parameters, and the best samples in motion; empty: none
+  std::string out;                  // CSV with a row for each sample
+  std::string html;                 // a page with figures over parameters, and the best samples in motion; empty: none
 };
 
 struct CompareOptions {

@@ -176,6 +176,12 @@ void add_run(CLI::App& app, Invocation& call) {
       ->check(whole_number(1))
       ->type_name("N");
   CLI::Option* csv = run.add_option("--csv", o.csv, "Write the motion; - for standard output")->type_name("FILE");
+  CLI::Option* npy = run.add_option("--npy", o.npy, "Write the motion as a NumPy array with named columns");
+  npy->type_name("F.npy");
+  CLI::Option* every =
+      run.add_option("--every", o.npy_how.every, "For --npy: every N-th row, beginning with the first");
+  every->check(whole_number(1))->needs(npy)->type_name("N");
+  run.add_flag("--single", o.npy_how.single, "For --npy: in single precision")->needs(npy);
   CLI::Option* errors =
       run.add_option("--errors", o.errors, "Write the errors of each group at each step")->type_name("FILE");
   CLI::Option* animate =
@@ -186,7 +192,7 @@ void add_run(CLI::App& app, Invocation& call) {
   run.add_flag("--certify", o.certify, "Prove bounds for the position errors");
   run.add_flag("--pin", o.pin, "Bind each thread to a core, where it busy-waits");
   add_common(run, call.common);
-  run.callback([&call, files = std::vector<CLI::Option*>{ensemble, csv, errors, animate, picture, plot}] {
+  run.callback([&call, files = std::vector<CLI::Option*>{ensemble, csv, npy, errors, animate, picture, plot}] {
     for (const CLI::Option* file : files) {
       if (file->count() > 0 && file->results().back().empty()) {
         throw CLI::ValidationError(file->get_name(), "expects a file name");

@@ -57,6 +57,8 @@ int run(const Common& common, const RunOptions& options) {
   const Prepared prepared = prepare_or_show(scene, how, modes, options);
   Simulator simulator(prepared, limits_of(options));
   output::CsvFile csv(options.csv);
+  std::optional<output::Replacement> npy;
+  if (!options.npy.empty()) npy.emplace("--npy", options.npy);
   std::optional<output::ErrorsCsv> errors;
   if (!options.errors.empty()) errors.emplace(options.errors);
   std::optional<output::Replacement> animation, picture, plot;
@@ -71,6 +73,10 @@ int run(const Common& common, const RunOptions& options) {
   const Trajectory trajectory = follow(simulator, progress, times, steps);
   const double seconds = measure::StepTimes::steady() - begin;
   csv.write(trajectory);
+  if (npy) {
+    write_npy(npy->stream(), trajectory, options.npy_how);
+    npy->put();
+  }
 
   Report report = simulator.report();
   if (options.reference && trajectory.rows() > 0 && report.status.code != Code::interrupted) {

@@ -122,6 +122,8 @@ int run_ensemble(const Common& common, const RunOptions& options) {
   const double start = StepTimes::steady();
   Ensemble ensemble = prepare_all(common, variants, options, how, preparing);
   output::CsvFile csv(options.csv);
+  std::optional<output::Replacement> npy;
+  if (!options.npy.empty()) npy.emplace("--npy", options.npy);
 
   const std::int64_t steps = ensemble.prepared().scene->time().steps();
   const std::int64_t member_steps = steps * static_cast<std::int64_t>(variants.size());
@@ -135,6 +137,10 @@ int run_ensemble(const Common& common, const RunOptions& options) {
   const double seconds = StepTimes::steady() - begin;
   progress.clear();
   csv.write(trajectory);
+  if (npy) {
+    write_npy(npy->stream(), trajectory, options.npy_how);
+    npy->put();
+  }
 
   const output::Members members = output::members_of(ensemble.outcomes(), variants);
   Report report = ensemble.report();

@@ -46,11 +46,8 @@ void check_mode(const RunOptions& options, bool chunks) {
 }  // namespace
 
 std::vector<std::pair<std::string, std::string>> outputs_of(const RunOptions& options) {
-  return {{"--csv", options.csv},
-          {"--errors", options.errors},
-          {"--animate", options.animate},
-          {"--picture", options.picture},
-          {"--plot", options.plot}};
+  return {{"--csv", options.csv},         {"--npy", options.npy},         {"--errors", options.errors},
+          {"--animate", options.animate}, {"--picture", options.picture}, {"--plot", options.plot}};
 }
 
 Scene scene_of(const Common& common, const RunOptions& options, const Parameters& set) {
