@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "scene/joints/joints.hpp"
+#include "scene/number.hpp"
 #include "scene/outputs.hpp"
 #include "scene/validation_rows.hpp"
 

@@ -263,7 +263,7 @@ void ValueTable::prepare_first() {
   std::optional<Error> first_error;
   for (std::size_t i = 0; i < count() && !first_; ++i) {
     try {
-      first_ = ValueTable::prepare(i);
+      first_ = prepare(i);
     } catch (const Error& e) {
       if (e.kind() == Error::Kind::environment) throw;
       if (!first_error) first_error = e;

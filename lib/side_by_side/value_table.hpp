@@ -16,7 +16,7 @@
 
 namespace assur {
 
-class ValueTable : public BoundMembers {
+class ValueTable final : public BoundMembers {
  public:
   // As the constructor of Ensemble.
   ValueTable(const Scene& scene, std::vector<std::string> names, std::vector<double> values,

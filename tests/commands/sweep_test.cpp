@@ -252,6 +252,26 @@ TEST(Sweep, ComparesAPathWithACurve) {
   EXPECT_NE(refusal({"--compare", "far"}).find("--compare"), std::string::npos);
 }
 
+// The slider goes back and forth once a turn, so that it exceeds its limit once or twice, or never.
+TEST(Sweep, CountsLimits) {
+  const Scratch scratch;
+  const std::string out = scratch.file("rows.csv"), scene = scratch.file("limited.json");
+  std::string text = content(ASSUR_SOURCE_DIR "/scenes/slider_crank.json");
+  text.insert(text.rfind('}'), ", \"limits\": {\"displacement\": {\"max\": 0.38, \"reaction\": \"flag\"}}");
+  std::ofstream(scene) << text;
+  const Outcome outcome =
+      run_command({"sweep", scene, "--vary", "crank_length=0.05:0.1", "--sampler", "grid", "--samples", "6",
+                   "--outputs", "displacement", "--reduce", "max", "--json", "--out", out});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const auto rows = cells_of(out);
+  ASSERT_EQ(rows.size(), 7u);
+  EXPECT_EQ(rows[0][4], "limits");
+  for (std::size_t k = 1; k < rows.size(); ++k) {
+    const double reach = std::stod(rows[k][1]) + 0.3;  // the start, and the end of the turn
+    EXPECT_EQ(rows[k][4], reach > 0.38 ? "2" : "0") << reach;
+  }
+}
+
 TEST(Sweep, RefusesWrongOptions) {
   const Scratch scratch;
   const std::string out = scratch.file("rows.csv");

@@ -25,6 +25,13 @@ double figure_of(const ColumnSummary& s, const std::string& name) {
   return s.range();
 }
 
+// How often a limit was exceeded, or ended the motion.
+double times_exceeded(const Ensemble::Outcome& outcome) {
+  return static_cast<double>(std::count_if(outcome.events.begin(), outcome.events.end(), [](const Event& e) {
+    return e.kind == Code::limit_exceeded || e.kind == Code::stop_reached;
+  }));
+}
+
 std::string text_of(double number) { return std::isnan(number) ? "" : shortest(number); }
 
 [[noreturn]] void refuse_line(const std::string& line) {
@@ -134,8 +141,7 @@ void Sweep::run(Ensemble& ensemble, std::vector<Row>& rows) {
     }
     rows[of.member].figures[0] = distance(path);
   };
-  ensemble.stream(selection, sink,
-                  [&](std::int64_t, std::int64_t) { return !(limits_.stop && limits_.stop()); });
+  ensemble.stream(selection, sink, [&](std::int64_t, std::int64_t) { return !(limits_.stop && limits_.stop()); });
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const Ensemble::Outcome& outcome = ensemble.outcomes()[i];
     rows[i].why = outcome.cannot;
@@ -145,6 +151,7 @@ void Sweep::run(Ensemble& ensemble, std::vector<Row>& rows) {
     takers[i].finish();
     std::size_t to = trace_ ? 1 : 0;
     if (trace_ && !rows[i].is_done()) rows[i].figures[0] = kNan;
+    if (!scene_.limits().empty()) rows[i].figures[to++] = times_exceeded(outcome);
     for (std::size_t c = 0; c < columns_.size(); ++c) {
       for (const std::string& figure : figures_) {
         rows[i].figures[to++] = figure_of(summaries[i * columns_.size() + c], figure);
@@ -163,6 +170,7 @@ double Sweep::distance(std::span<const PlanePoint> path) const {
 std::vector<std::string> Sweep::figures() const {
   std::vector<std::string> names;
   if (trace_) names.push_back(trace_->point + ".distance");
+  if (!scene_.limits().empty()) names.emplace_back("limits");
   for (const std::string& column : columns_) {
     for (const std::string& figure : figures_) names.push_back(std::string(column).append(".").append(figure));
   }

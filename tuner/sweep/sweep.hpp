@@ -57,7 +57,8 @@ class Sweep {
   // cannot be prepared.
   [[nodiscard]] std::vector<Row> block(std::int64_t b);
 
-  // The names of Row::figures: "P.distance", "handle1.max", ...
+  // The names of Row::figures: "P.distance", "limits" (if the scene has limits: how often one was exceeded, or ended
+  // the motion), "handle1.max", ...
   [[nodiscard]] std::vector<std::string> figures() const;
 
   // The first line of a file of rows, and the line of a row; without line ends. Numbers are the shortest text that
