@@ -199,7 +199,6 @@ struct Ensemble::Impl {
       }
     }
     if (bound_tiles) totals.merge(bound_tiles->totals());
-    progress.before -= static_cast<std::int64_t>(bound_tiles ? unbound.size() * results.times.size() : 0);
     for (std::size_t begin = 0; begin < unbound.size(); begin += kMostPrepared) {
       run_unbound(std::span(unbound).subspan(begin, std::min(kMostPrepared, unbound.size() - begin)), results,
                   progress);
@@ -264,16 +263,17 @@ struct Ensemble::Impl {
       }
     }
     tiles.run(runs, progress.observer, 0);
+    const auto rows = static_cast<std::int64_t>(results.times.size());
     for (std::size_t i = 0; i < runs.size(); ++i) {
       LaneRun& run = runs[i];
       if (run.unbound) continue;
+      progress.before += rows;
       results.rows[members[i]] = run.done;
       totals.error.merge(run.error);
       outcomes[members[i]] = {run.status, run.reached,    std::move(run.cannot),
                               run.alone,  run.alone_from, std::move(run.events)};
       note(members[i], run.fallbacks);
     }
-    progress.before += static_cast<std::int64_t>(runs.size() * results.times.size());
   }
 
   void run_other(std::size_t i, const Results& results, const Simulator::Observer& observer) {

@@ -330,6 +330,17 @@ TEST(ValueTable, ObserverStopsIt) {
   });
   EXPECT_EQ(last, 30 * 31);
   EXPECT_EQ(of, 30 * 31);
+  // Half of the members are prepared one by one, because nobody has a crank of length 0 or less.
+  std::vector<double> values = table.values;
+  for (std::size_t i = 0; i < values.size(); i += 2) values[i] = -values[i];
+  Ensemble half(scene, table.names, values, options("groups/eigen:4"));
+  last = 0;
+  (void)half.run([&](std::int64_t done, std::int64_t) {
+    EXPECT_GE(done, last);
+    last = done;
+    return true;
+  });
+  EXPECT_EQ(last, 15 * 31);
   (void)e.run([&](std::int64_t done, std::int64_t) { return done < 100; });
   const auto interrupted = std::count_if(e.outcomes().begin(), e.outcomes().end(),
                                          [](const auto& o) { return o.status.code == Code::interrupted; });
