@@ -2,7 +2,7 @@
 // throughput of a Stewart platform with 24 random parameters beside equal platforms. Members are compared with prepared
 // ones. The exit status is 1 if one of them deviates by more than 1e-10 of the largest value of its column.
 //
-//   value_table_bench [MEMBERS [ROUNDS]]    10000 members and 5 rounds unless told otherwise
+//   value_table_bench [MEMBERS [ROUNDS [STRATEGY]]]    10000 members, 5 rounds and auto unless told otherwise
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -50,7 +50,11 @@ struct Design {
   }
 };
 
-PrepareOptions how(int threads) { return {.budget = ThreadBudget{threads}, .mode = Mode::throughput}; }
+std::string strategy = "auto";
+
+PrepareOptions how(int threads) {
+  return {.strategy = strategy, .budget = ThreadBudget{threads}, .mode = Mode::throughput};
+}
 
 // Seconds for all members of a table: bound, and assembled.
 struct Bound {
@@ -201,9 +205,12 @@ int run(std::size_t members, int rounds) {
                        {"handle", "rod", "base_radius", "toe"},
                        {0.2, 0.55, 0.5, 0.2},
                        0.02};
+  const Design all_outputs{read_scene(scenes + "stewart.json").with_outputs({"all"}), of_file.names, of_file.middle,
+                           0.02};
   const Design platform = stewart();
   bool good = true;
-  for (const Design* d : {&four_bar, &slider_crank, &of_file, &platform}) good = report(*d, members, rounds) && good;
+  for (const Design* d : {&four_bar, &slider_crank, &of_file, &all_outputs, &platform})
+    good = report(*d, members, rounds) && good;
   compare_throughput(platform, members, rounds);
   return good ? 0 : 1;
 }
@@ -212,6 +219,7 @@ int run(std::size_t members, int rounds) {
 }  // namespace assur::bench
 
 int main(int count, char** arguments) {
+  if (count > 3) assur::bench::strategy = arguments[3];
   const std::size_t members = count > 1 ? std::strtoull(arguments[1], nullptr, 10) : 10'000;
   return assur::bench::run(std::max<std::size_t>(members, 200), count > 2 ? std::atoi(arguments[2]) : 5);
 }

@@ -453,7 +453,13 @@ void Ensemble::bind(std::vector<double> values) {
                 "the members of this ensemble were prepared one by one; an ensemble with a table of "
                 "values takes another table");
   }
-  impl_->meet_bound(impl_->bound->take(std::move(values)));
+  try {
+    impl_->meet_bound(impl_->bound->take(std::move(values)));
+  } catch (const Error& e) {
+    // Recording began, and a file of the scene can no longer be read: the tiles have lost what they repeat.
+    if (e.kind() == Error::Kind::environment) impl_->bound_tiles.reset();
+    throw;
+  }
 }
 
 std::size_t Ensemble::members() const { return impl_->cannot.size(); }

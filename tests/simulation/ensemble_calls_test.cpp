@@ -7,6 +7,7 @@
 
 #include "assur/machine.hpp"
 #include "backends/allocations.hpp"
+#include "refusal.hpp"
 #include "simulation/ensembles.hpp"
 
 namespace assur::test {
@@ -131,16 +132,6 @@ TEST(Ensemble, PropagatesExceptionsOfCallbacks) {
     *armed = false;
     EXPECT_TRUE(e.run().rows(4) == 101);  // the ensemble can run again
   }
-}
-
-std::string refusal(const std::function<void()>& what) {
-  try {
-    what();
-  } catch (const Error& e) {
-    EXPECT_EQ(e.kind(), Error::Kind::input);
-    return e.what();
-  }
-  return "";
 }
 
 TEST(Ensemble, RefusesInvalidArguments) {
