@@ -14,10 +14,12 @@
 #include <functional>
 #include <iostream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "assur/assur.hpp"
 #include "fleet/linkage.hpp"
+#include "fleet/linkages.hpp"
 #include "machine.hpp"
 #include "median.hpp"
 #include "numbers.hpp"
@@ -182,6 +184,11 @@ int run(std::size_t count, int rounds) {
     if (prepared.take(linkage).empty()) dyads_of_complete += prepared.dyads() * static_cast<std::int64_t>(kRows);
   }
   const Fleet stored(all), stored_complete(complete);
+  // Linkages with a triad each.
+  std::vector<Linkage> of_triads(count);
+  for (std::size_t i = 0; i < count; ++i) of_triads[i] = test::with_triad(i);
+  const Fleet triads(std::move(of_triads));
+  const auto dyads_and_triads = static_cast<double>(triads.run(times, drop).dyads);
   PlainForm plain(times);
   double sum = 0;
   FleetOptions two;
@@ -202,6 +209,7 @@ int run(std::size_t count, int rounds) {
       {"plain closed form", plainly(0), {}},
       {"fleet, those that are done", [&] { (void)stored_complete.run(times, drop); }, {}},
       {"plain closed form, those that are done", plainly(1), {}},
+      {"fleet, a dyad and a triad in each linkage", [&] { (void)triads.run(times, drop); }, {}},
       {"making linkages",
        [&] {
          for (std::size_t i = 0; i < count; ++i) linkage_into(i, all[i]);
@@ -217,7 +225,8 @@ int run(std::size_t count, int rounds) {
   const auto dyads = static_cast<double>(report.dyads), of_complete = static_cast<double>(dyads_of_complete);
   for (std::size_t i = 0; i < 4; ++i) print(contenders[i], dyads);
   for (std::size_t i = 4; i < 6; ++i) print(contenders[i], of_complete);
-  for (std::size_t i = 6; i < 8; ++i) {
+  print(contenders[6], dyads_and_triads);
+  for (std::size_t i = 7; i < 9; ++i) {
     std::printf("  %-46s %8.0f ns for each\n", contenders[i].name.c_str(),
                 1e9 * median(contenders[i].seconds) / static_cast<double>(count));
   }

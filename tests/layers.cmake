@@ -24,7 +24,7 @@ macro(check_order root)
   endforeach()
 endmacro()
 
-check_order(${TUNER} measure sweep output pictures check tuning report commands enough_memory.cpp main.cpp)
+check_order(${TUNER} measure output sweep pictures check tuning report commands enough_memory.cpp main.cpp)
 check_order(${LIB} parallel scene mjcf structure equations backends planning modes signals group path errors
             side_by_side simulation fleet db)
 

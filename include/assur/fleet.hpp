@@ -31,6 +31,10 @@ struct LinkageJoint {
     // On a link that holds both parents: first + value[0] (second - first) + value[1] * that turned by +90°. Not
     // checked: if the distance of the parents changes, the link is stretched.
     point,
+    // One of three joints in a row, all of this kind, on one link: at distance value[0] from `first`. value[1] and
+    // value[2] are its x and y in an approximate posture at the first time. The three positions give the shape of the
+    // link, and Newton's method leads from them to the posture.
+    triad,
   };
   Kind kind = Kind::ground;
   bool left = true;                     // of a dyad: on the left of the line from `first` to `second`
@@ -47,6 +51,9 @@ struct LinkageJoint {
   }
   [[nodiscard]] static LinkageJoint point(std::uint16_t first, std::uint16_t second, double along, double across) {
     return {Kind::point, true, first, second, {along, across, 0}};
+  }
+  [[nodiscard]] static LinkageJoint triad(std::uint16_t first, double to_first, double x, double y) {
+    return {Kind::triad, true, first, 0, {to_first, x, y}};
   }
 };
 
@@ -67,22 +74,23 @@ struct Linkage {
 
 // The same linkage as a scene, with points named J0, J1, ... in their posture at time.start, whose positions
 // are its outputs. In the library assur::assur. Throws Error: input as Fleet and for a grid without a step,
-// numerical if a dyad cannot be closed there. A Simulator may go on where a Fleet ends, through points where two
+// numerical if a dyad or triad cannot be closed there. A Simulator may go on where a Fleet ends, through points where two
 // motions cross. A point very close to the line of its parents makes the scene singular.
 [[nodiscard]] Scene scene_of(const Linkage& linkage, const TimeGrid& time, std::string name = "linkage");
 
 // The motion of one linkage of a fleet.
 struct LinkageMotion {
   // ok; inaccurate (the motion is complete, but its estimated error or its residual exceeds the accuracy asked for);
-  // limit_reached (a dyad, also one that the traced joint does not need, cannot be closed beyond `reached`);
-  // branch_unknown (both postures of a dyad come so close that the continuation is unknown, as in a flat parallelogram,
-  // which a Simulator passes); singular or not_converged (a dyad is stretched or cannot be closed at the first time);
-  // not_finite (a coordinate of the path or its error overflows).
+  // limit_reached (a dyad or triad, also one that the traced joint does not need, cannot be closed beyond `reached`);
+  // branch_unknown (two postures of a dyad or triad come so close that the continuation is unknown, as in a flat
+  // parallelogram, which a Simulator passes); singular or not_converged (a dyad or triad is stretched or cannot be
+  // closed at the first time); not_finite (a coordinate of the path or its error overflows).
   Status status;
-  double reached = 0;       // last time at which all dyads are known to be closed, s; NaN if none is
+  double reached = 0;       // last time at which all dyads and triads are known to be closed, s; NaN if none is
   double not_beyond = 0;    // if the motion ended: a time after `reached` at which it cannot be continued, s; else NaN
-  std::int32_t joint = -1;  // the dyad that cannot be closed; -1: there is none, or it is unknown
-  double residual = 0;      // largest relative residual | |p - a|^2 - l^2 | / l^2 of all dyads
+  // The dyad, or the first joint of the triad, that cannot be closed; -1: there is none, or it is unknown.
+  std::int32_t joint = -1;
+  double residual = 0;  // largest relative residual | |p - a|^2 - l^2 | / l^2 of all dyads and triads
   // Estimated error of the path (to first order, from rounding errors with random signs), divided by the largest
   // coordinate of the path or the mean length of the linkage, whichever is larger.
   double error = 0;
@@ -103,7 +111,7 @@ struct FleetReport {
   std::size_t inaccurate = 0;  // of these
   std::size_t jammed = 0;      // motions that ended before the last time, or are not_finite
   std::size_t not_closed = 0;  // linkages that could not be closed at the first time
-  std::int64_t dyads = 0;      // dyads that were solved, one for each time
+  std::int64_t dyads = 0;      // dyads and triads that were solved, one for each time
   std::int64_t divided = 0;    // intervals between two times that were divided to follow a branch
   double residual = 0;         // the largest of all motions
   bool interrupted = false;    // true if `stop` ended the run
@@ -125,7 +133,9 @@ struct FleetSummary {
 //
 // Between two times, the squared distance of the parents of each dyad is followed by a cubic with the rates at both
 // times; where it comes close to a limit at which the dyad is stretched or folded, the interval is divided by eight,
-// and so on. So a motion that leaves its branch between two times is found.
+// and so on. So a motion that leaves its branch between two times is found. A triad is solved by Newton's method from
+// the posture and the rates at the time before; an interval is divided unless the inverse of its Jacobian matrix bounds
+// the way to any other posture (Kantorovich).
 class Fleet {
  public:
   // Makes linkage i in `to`, whose content is that of an earlier linkage. Called by all threads.
@@ -134,7 +144,8 @@ class Fleet {
   using Sink = std::function<void(std::size_t i, const LinkageMotion& motion)>;
 
   // Stored linkages. Throws Error (input) for the first linkage that is not valid: no joint, a parent that is not
-  // before its joint, a number that is not finite, a length that is not positive, a traced joint that does not exist.
+  // before its joint, a number that is not finite, a length that is not positive, a triad without three joints in three
+  // places, a traced joint that does not exist.
   explicit Fleet(std::vector<Linkage> linkages);
   // Linkages that are made when they are needed; nothing of them is kept.
   Fleet(std::size_t linkages, Source source);

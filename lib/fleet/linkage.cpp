@@ -15,10 +15,10 @@ using Kind = LinkageJoint::Kind;
 // Positions, squares and residuals round a few times each.
 constexpr double kRounding = 2 * kEps;
 
-int parents_of(Kind kind) { return kind == Kind::ground ? 0 : kind == Kind::crank ? 1 : 2; }
+int parents_of(Kind kind) { return kind == Kind::ground ? 0 : kind == Kind::crank || kind == Kind::triad ? 1 : 2; }
 
 std::string trouble_with(const LinkageJoint& joint, std::size_t own) {
-  if (joint.kind > Kind::point) return "has no kind";
+  if (joint.kind > Kind::triad) return "has no kind";
   const int parents = parents_of(joint.kind);
   if ((parents > 0 && joint.first >= own) || (parents > 1 && joint.second >= own)) {
     return "must come after its parents; sort the joints";
@@ -30,7 +30,8 @@ std::string trouble_with(const LinkageJoint& joint, std::size_t own) {
   const bool crank = joint.kind == Kind::crank, dyad = joint.kind == Kind::dyad;
   // Squares of these lengths, and their products, neither overflow nor vanish.
   const auto allowed = [](double length) { return length >= 1e-60 && length <= 1e60; };
-  if ((crank || dyad) && !allowed(joint.value[0])) return "needs a positive length, 1e-60 to 1e60 m";
+  const bool triad = joint.kind == Kind::triad;
+  if ((crank || dyad || triad) && !allowed(joint.value[0])) return "needs a positive length, 1e-60 to 1e60 m";
   if (dyad && !allowed(joint.value[1])) return "needs two positive lengths, 1e-60 to 1e60 m";
   return {};
 }
@@ -45,6 +46,10 @@ PreparedJoint prepared(const LinkageJoint& joint, std::size_t own) {
   out.c = joint.value[2];
   RandomSign sign(own + 1);
   out.rounding[0] = sign() * kRounding;
+  if (joint.kind == Kind::triad) {
+    out.per_square[0] = 1 / (out.a * out.a);
+    out.rounding[0] *= out.a;
+  }
   if (joint.kind != Kind::dyad) return out;
   out.difference = (out.a - out.b) * (out.a + out.b);
   out.least = (out.a - out.b) * (out.a - out.b);
@@ -59,7 +64,54 @@ PreparedJoint prepared(const LinkageJoint& joint, std::size_t own) {
   return out;
 }
 
+// The joints `own`, own + 1 and own + 2 are a triad.
+std::string trouble_with_triad(std::span<const LinkageJoint> joints, std::size_t own) {
+  if (joints.size() < own + kJointsOfTriad) return "begins a triad that has no three joints";
+  for (std::size_t k = 0; k < kJointsOfTriad; ++k) {
+    const LinkageJoint &joint = joints[own + k], &next = joints[own + (k + 1) % kJointsOfTriad];
+    if (joint.kind != Kind::triad) return "begins a triad that has no three joints, one after another";
+    if (joint.first >= own) return "begins a triad of which a joint depends on another of its joints";
+    if (joint.value[1] == next.value[1] && joint.value[2] == next.value[2]) {
+      return "begins a triad of which two joints are in one place";
+    }
+  }
+  return {};
+}
+
+// Sets what the three joints of a triad have in common.
+void complete_triad(PreparedJoint* triad) {
+  PreparedJoint& first = triad[0];
+  for (std::size_t k = 0; k < kJointsOfTriad; ++k) {
+    first.center[0] += triad[k].b / kJointsOfTriad;
+    first.center[1] += triad[k].c / kJointsOfTriad;
+  }
+  for (std::size_t k = 0; k < kJointsOfTriad; ++k) {
+    triad[k].place = static_cast<int>(k);
+    triad[k].b -= first.center[0];
+    triad[k].c -= first.center[1];
+    first.radius = std::max(first.radius, std::hypot(triad[k].b, triad[k].c));
+  }
+  double squares = 0;
+  for (std::size_t k = 0; k < kJointsOfTriad; ++k) {
+    // |center + R(angle) r - parent|^2 / 2 has the second derivatives 1, r and at most r^2 + a r.
+    const double r = std::hypot(triad[k].b, triad[k].c) / first.radius;
+    const double of_one = 1 + r + r * (r + triad[k].a / first.radius);
+    squares += of_one * of_one;
+  }
+  first.curvature = std::sqrt(squares);
+}
+
 }  // namespace
+
+void begin_at_guess(std::span<const PreparedJoint> joints, JointBlock* blocks) {
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    if (joints[j].kind != Kind::triad || joints[j].place != 0) continue;
+    for (std::size_t k = 0; k < kJointsOfTriad; ++k) {
+      blocks[j + k].square[JointBlock::kBefore] = k < 2 ? joints[j].center[k] : 0;
+      blocks[j + k].rate[JointBlock::kBefore] = 0;
+    }
+  }
+}
 
 std::string PreparedLinkage::take(const Linkage& linkage) {
   const auto at = [](std::size_t j, const std::string& trouble) {
@@ -72,15 +124,23 @@ std::string PreparedLinkage::take(const Linkage& linkage) {
   if (traced_ >= count) return at(traced_, "is to be traced, but does not exist");
   joints_.clear();
   dyads_ = 0;
+  has_triads_ = false;
+  std::size_t triad_end = 0;  // end of the latest triad
   double sum = 0;
   int lengths = 0;
   for (std::size_t j = 0; j < count; ++j) {
     const LinkageJoint& joint = linkage.joints[j];
     if (const std::string trouble = trouble_with(joint, j); !trouble.empty()) return at(j, trouble);
     joints_.push_back(prepared(joint, j));
-    const bool dyad = joint.kind == Kind::dyad;
-    dyads_ += dyad ? 1 : 0;
-    if (!dyad && joint.kind != Kind::crank) continue;
+    const bool dyad = joint.kind == Kind::dyad, triad = joint.kind == Kind::triad;
+    if (triad && j >= triad_end) {
+      if (const std::string trouble = trouble_with_triad(linkage.joints, j); !trouble.empty()) return at(j, trouble);
+      triad_end = j + kJointsOfTriad;
+      has_triads_ = true;
+    }
+    if (triad && j + 1 == triad_end) complete_triad(&joints_[j + 1 - kJointsOfTriad]);
+    dyads_ += dyad || (triad && j + 1 == triad_end) ? 1 : 0;
+    if (!dyad && !triad && joint.kind != Kind::crank) continue;
     sum += joint.value[0] + (dyad ? joint.value[1] : 0);
     lengths += dyad ? 2 : 1;
   }

@@ -13,6 +13,9 @@ constexpr std::size_t kDeepest = 10;
 // From here on, the time of a limit is found by the cubic through both ends of an interval.
 constexpr std::size_t kSmooth = 2;
 constexpr double kTimeTolerance = 1e-10;  // of a limit, relative to the interval between two times
+// Speed of the link of a triad, relative to those of its parents, from which on it is folded: at 1e-9 of an interval
+// from the limit, it is 1e4 times as fast as usual.
+constexpr double kFolded = 300;
 // Next to a limit, doubtful intervals shorter than this part of the interval with the limit are not divided: rounding
 // looks like doubt there.
 constexpr double kCloseToLimit = 1e-4;
@@ -47,13 +50,15 @@ void LinkageRun::set_before(Block& block, const Block& from, int i) const {
   for (std::size_t j = 0; j < linkage_->joints().size(); ++j) {
     block.joints[j].square[JointBlock::kBefore] = from.joints[j].square[place];
     block.joints[j].rate[JointBlock::kBefore] = from.joints[j].rate[place];
+    block.joints[j].sensitivity[JointBlock::kBefore] = from.joints[j].sensitivity[place];
   }
 }
 
 // start: the time before the block, at which squares and rates are in their places.
 void LinkageRun::evaluate(Block& block, double start) {
   for (std::size_t i = 0; i < kTimes; ++i) block.steps[i] = block.times[i] - (i > 0 ? block.times[i - 1] : start);
-  block.figures = dyad_kernels().evaluate(linkage_->joints(), block.times.data(), block.joints.data());
+  block.figures =
+      linkage_kernels().evaluate(linkage_->joints(), block.times.data(), block.steps.data(), block.joints.data());
   motion_.residual = std::max(motion_.residual, block.figures.residual);
 }
 
@@ -64,20 +69,31 @@ void LinkageRun::end(Code code, double reached, double not_beyond, std::int32_t 
   motion_.joint = joint;
 }
 
-// Passes all intervals of a block; false if the motion ends within one.
+// Passes all intervals of a block, and takes the rows of the run; false if the motion ends within one.
 bool LinkageRun::pass(std::size_t level) {
   Block& block = blocks_[level];
-  block.doubtful = dyad_kernels().doubtful(linkage_->joints(), block.steps.data(), block.joints.data());
+  block.doubtful = linkage_kernels().doubtful(linkage_->joints(), block.steps.data(), block.joints.data());
   for (unsigned i = 0; i < kTimes; ++i) {
-    const bool ends = i == block.figures.closed;
-    if (!ends && (block.doubtful >> i & 1) == 0) continue;
-    if (!pass_interval(level, i)) return false;
-    if (ends) {  // Rounding: closed at the end of the interval when it was divided.
+    const bool ends = i == block.figures.closed, divides = ends || (block.doubtful >> i & 1) != 0;
+    if (divides && !pass_interval(level, i)) return false;
+    if (divides && linkage_->has_triads()) go_on_from(level, i);
+    if (level == 0) take(block, i);
+    if (ends && i == block.figures.closed) {  // Rounding: closed at the end of the interval when it was divided.
       end(Code::branch_unknown, block.times[i], block.times[i], block.figures.joint);
       return false;
     }
   }
   return true;
+}
+
+// The block was solved from the posture before it, which may have led a triad to another posture than that at which its
+// divided interval ends: solves the times after i again, from there.
+void LinkageRun::go_on_from(std::size_t level, unsigned i) {
+  Block& block = blocks_[level];
+  std::fill_n(block.times.begin(), i, block.times[i]);
+  set_before(block, blocks_[level + 1], static_cast<int>(kTimes) - 1);
+  evaluate(block, block.times[i]);
+  block.doubtful = linkage_kernels().doubtful(linkage_->joints(), block.steps.data(), block.joints.data());
 }
 
 // Divides the interval that ends at time i of a block by eight.
@@ -88,10 +104,14 @@ bool LinkageRun::pass_interval(std::size_t level, unsigned i) {
   const double to = outer.times[i], from = to - outer.steps[i];
   const bool ends = i == outer.figures.closed;
   if (level + 1 > kDeepest || !(from < to)) {
+    if (const std::int32_t triad = folded_triad(outer, i); triad >= 0) {
+      end(Code::limit_reached, from, to, triad);
+      return false;
+    }
     end(ends ? Code::limit_reached : Code::branch_unknown, from, to, ends ? outer.figures.joint : -1);
     return false;
   }
-  if (ends && level >= kSmooth) {
+  if (ends && level >= kSmooth && !linkage_->has_triads()) {
     follow_to_limit(level, i);
     return false;
   }
@@ -133,7 +153,7 @@ void LinkageRun::follow_to_limit(std::size_t level, unsigned i) {
     inner.times[kTimes - 1] = to;
     evaluate(inner, from);
     const unsigned closed = inner.figures.closed;
-    const unsigned doubts = dyad_kernels().doubtful(linkage_->joints(), inner.steps.data(), inner.joints.data());
+    const unsigned doubts = linkage_kernels().doubtful(linkage_->joints(), inner.steps.data(), inner.joints.data());
     for (unsigned k = 0; k < closed; ++k) {
       const bool doubtful = (doubts >> k & 1) != 0 && inner.steps[k] > kCloseToLimit * whole;
       if (doubtful && !pass_interval(level + 1, k)) return;
@@ -154,22 +174,54 @@ void LinkageRun::follow_to_limit(std::size_t level, unsigned i) {
   end(touches ? Code::branch_unknown : Code::limit_reached, from, to, joint);
 }
 
+// Where two postures of a triad meet and end, its rates grow beyond all bounds; where two motions cross, they do not.
+// Returns the first joint of a triad that is so fast before time i; -1: there is none.
+std::int32_t LinkageRun::folded_triad(const Block& block, unsigned i) const {
+  const std::span<const PreparedJoint> joints = linkage_->joints();
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    if (joints[j].kind != LinkageJoint::Kind::triad || joints[j].place != 0) continue;
+    double squares = 0, of_parents = 0;
+    for (std::size_t k = 0; k < kJointsOfTriad; ++k) {
+      const double rate = block.joints[j + k].rate[JointBlock::kBefore + i];
+      const JointBlock& parent = block.joints[joints[j + k].first];
+      squares += rate * rate;
+      of_parents += std::abs(parent.vx[i]) + std::abs(parent.vy[i]);
+    }
+    if (squares > kFolded * kFolded * of_parents * of_parents) return static_cast<std::int32_t>(j);
+  }
+  return -1;
+}
+
+// Solves the triads at the first time, eight times over, for the rates from which all times begin.
+void LinkageRun::begin_triads(Block& block) {
+  const std::array<double, kTimes> times = block.times;
+  block.times.fill(times[0]);
+  begin_at_guess(linkage_->joints(), block.joints.data());
+  evaluate(block, times[0]);
+  set_before(block, block, 0);
+  block.times = times;
+}
+
 void LinkageRun::cannot_begin(const Block& block) {
   const auto joint = static_cast<std::size_t>(block.figures.joint);
+  if (linkage_->joints()[joint].kind == LinkageJoint::Kind::triad) {
+    end(Code::not_converged, kNan, block.times[0], block.figures.joint);
+    return;
+  }
   const PreparedJoint& dyad = linkage_->joints()[joint];
   const double square = block.joints[joint].square[kTimes];
   const double beyond = std::max(dyad.least - square, square - dyad.most);
   end(beyond <= kTouches * dyad.most ? Code::singular : Code::not_converged, kNan, block.times[0], block.figures.joint);
 }
 
-void LinkageRun::take(const Block& block, std::size_t rows) {
+// Takes a row, unless all are taken.
+void LinkageRun::take(const Block& block, unsigned i) {
+  if (path_.size() == rows_) return;
   const JointBlock& traced = block.joints[linkage_->traced()];
-  for (std::size_t i = 0; i < rows; ++i) {
-    path_.push_back({traced.x[i], traced.y[i]});
-    largest_ = std::max({largest_, std::abs(traced.x[i]), std::abs(traced.y[i])});
-    const double error = std::max(std::abs(traced.error_x[i]), std::abs(traced.error_y[i]));
-    if (!(error <= error_)) error_ = error;  // NaN, too
-  }
+  path_.push_back({traced.x[i], traced.y[i]});
+  largest_ = std::max({largest_, std::abs(traced.x[i]), std::abs(traced.y[i])});
+  const double error = std::max(std::abs(traced.error_x[i]), std::abs(traced.error_y[i]));
+  if (!(error <= error_)) error_ = error;  // NaN, too
 }
 
 void LinkageRun::judge(double accuracy) {
@@ -192,7 +244,7 @@ const LinkageMotion& LinkageRun::run(const PreparedLinkage& linkage, std::span<c
   motion_.not_beyond = kNan;
   path_.clear();
   error_ = largest_ = 0;
-  const std::size_t rows = times.size();
+  const std::size_t rows = rows_ = times.size();
   for (std::size_t begin = 0; begin < rows; begin += kTimes) {
     Block& now = block(0);
     const std::size_t count = std::min(kTimes, rows - begin);
@@ -200,21 +252,14 @@ const LinkageMotion& LinkageRun::run(const PreparedLinkage& linkage, std::span<c
     const double start = begin > 0 ? times[begin - 1] : times[0];
     tolerance_ = kTimeTolerance * (now.times[kTimes - 1] - start) / static_cast<double>(count);
     if (begin > 0) set_before(now, now, static_cast<int>(kTimes) - 1);
-    evaluate(now, start);
+    if (begin == 0 && linkage.has_triads()) begin_triads(now);
+    if (begin > 0 || !linkage.has_triads() || now.figures.closed > 0) evaluate(now, start);
     if (begin == 0) set_before(now, now, 0);
     if (begin == 0 && now.figures.closed == 0) {
       cannot_begin(now);
       break;
     }
-    const bool passed = pass(0);
-    const Block& at = blocks_[0];
-    std::size_t taken = count;
-    if (!passed) {
-      taken = 0;
-      while (taken < count && at.times[taken] <= motion_.reached) ++taken;
-    }
-    take(at, taken);
-    if (!passed) break;
+    if (!pass(0)) break;
     motion_.reached = times[begin + count - 1];
   }
   judge(options.accuracy);

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "assur/fleet.hpp"
-#include "fleet/dyad_kernels.hpp"
 #include "fleet/linkage.hpp"
+#include "fleet/linkage_kernels.hpp"
 
 namespace assur {
 
@@ -36,15 +36,19 @@ class LinkageRun {
   void evaluate(Block& block, double start);
   [[nodiscard]] bool pass(std::size_t level);
   [[nodiscard]] bool pass_interval(std::size_t level, unsigned i);
+  void go_on_from(std::size_t level, unsigned i);
   void follow_to_limit(std::size_t level, unsigned i);
+  [[nodiscard]] std::int32_t folded_triad(const Block& block, unsigned i) const;
+  void begin_triads(Block& block);
   void end(Code code, double reached, double not_beyond, std::int32_t joint);
   void cannot_begin(const Block& block);
-  void take(const Block& block, std::size_t rows);
+  void take(const Block& block, unsigned i);
   void judge(double accuracy);
 
   const PreparedLinkage* linkage_ = nullptr;
   std::vector<Block> blocks_;  // of the run, and of intervals within intervals
   std::vector<PlanePoint> path_;
+  std::size_t rows_ = 0;  // that the path has if the motion does not end
   LinkageMotion motion_;
   double error_ = 0, largest_ = 0;  // of the traced joint, m
   double tolerance_ = 0;            // of the time of a limit, s

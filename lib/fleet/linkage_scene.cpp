@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <string>
 #include <utility>
@@ -15,15 +16,29 @@ Scene scene_of(const Linkage& linkage, const TimeGrid& time, std::string name) {
   }
   double times[kTimes];
   std::fill(std::begin(times), std::end(times), time.start);
+  const double steps[kTimes] = {};
   std::vector<JointBlock, LineAllocator<JointBlock>> at(prepared.joints().size());
-  const BlockFigures figures = dyad_kernels().evaluate(prepared.joints(), times, at.data());
+  begin_at_guess(prepared.joints(), at.data());
+  const BlockFigures figures = linkage_kernels().evaluate(prepared.joints(), times, steps, at.data());
   if (figures.closed < kTimes) {
-    throw Error(Error::Kind::numerical,
-                name + ": joint " + std::to_string(figures.joint) +
-                    " (counted from 0) is a dyad that is stretched, folded or cannot be closed at the first time");
+    throw Error(
+        Error::Kind::numerical,
+        name + ": joint " + std::to_string(figures.joint) +
+            " (counted from 0) is a dyad or begins a triad that is stretched, folded or cannot be closed at the "
+            "first time");
   }
+  // A joint of a triad in its approximate posture.
+  const auto guess = [&](std::size_t j) { return PlanePoint{linkage.joints[j].value[1], linkage.joints[j].value[2]}; };
   SceneBuilder builder(std::move(name), 2);
   const auto joint_name = [](std::size_t j) { return "J" + std::to_string(j); };
+  // own = first + along * (second - first)
+  const auto put_on_line = [&](const std::string& own, const std::string& first, const std::string& second,
+                               double along) {
+    Linear on_line{{{own, 1}}, {}};
+    if (along != 1) on_line.terms.emplace_back(first, along - 1);
+    if (along != 0) on_line.terms.emplace_back(second, -along);
+    builder.constrain(own + "_on_line", on_line);
+  };
   for (std::size_t j = 0; j < linkage.joints.size(); ++j) {
     const LinkageJoint& joint = linkage.joints[j];
     const std::string own = joint_name(j), first = joint_name(joint.first), second = joint_name(joint.second);
@@ -42,12 +57,23 @@ Scene scene_of(const Linkage& linkage, const TimeGrid& time, std::string name) {
         break;
       case LinkageJoint::Kind::point:
         if (joint.value[1] == 0) {
-          Linear on_line{{{own, 1}}, {}};
-          if (joint.value[0] != 1) on_line.terms.emplace_back(first, joint.value[0] - 1);
-          if (joint.value[0] != 0) on_line.terms.emplace_back(second, -joint.value[0]);
-          builder.constrain(own + "_on_line", on_line);
+          put_on_line(own, first, second, joint.value[0]);
         } else {
           builder.constrain(own + "_first", Distance{first, own}).constrain(own + "_second", Distance{second, own});
+        }
+        break;
+      case LinkageJoint::Kind::triad:
+        builder.constrain(own + "_rod", Distance{first, own, joint.value[0]});
+        if (prepared.joints()[j].place + 1 < static_cast<int>(kJointsOfTriad)) break;
+        const PlanePoint a = guess(j - 2), b = guess(j - 1), c = guess(j);
+        const auto side = [](const PlanePoint& p, const PlanePoint& q) { return std::hypot(p[0] - q[0], p[1] - q[1]); };
+        const double x = b[0] - a[0], y = b[1] - a[1], u = c[0] - a[0], v = c[1] - a[1];
+        builder.constrain(own + "_link", Distance{joint_name(j - 2), joint_name(j - 1), side(a, b)});
+        if (x * v == y * u) {
+          put_on_line(own, joint_name(j - 2), joint_name(j - 1), (x * u + y * v) / (x * x + y * y));
+        } else {
+          builder.constrain(own + "_first", Distance{joint_name(j - 2), own, side(a, c)})
+              .constrain(own + "_second", Distance{joint_name(j - 1), own, side(b, c)});
         }
         break;
     }

@@ -8,8 +8,10 @@
 
 #include "decimal.hpp"
 #include "numbers.hpp"
+#include "parallel/team.hpp"
 #include "side_by_side/run_arguments.hpp"
 #include "side_by_side/tiles.hpp"
+#include "side_by_side/work_queue.hpp"
 
 namespace assur {
 namespace {
@@ -116,7 +118,8 @@ ChunkGrid chunk_grid(std::size_t rows, std::size_t chunks) {
 ChunkedRun run_in_chunks(const Prepared& prepared, const StepLimits& limits, std::span<const double> times,
                          const ChunkGrid& grid, std::vector<Variant> starts, const Simulator::Observer& observer) {
   const std::size_t chunks = grid.first.size();
-  Tiles tiles(prepared, limits, chunks);
+  Team team(threads_for(prepared.plan, chunks), limits.pin_to);
+  Tiles tiles(prepared, limits, chunks, team.size());
   const std::size_t columns = tiles.first().columns().size();
   ChunkedRun out;
   out.values.resize(times.size() * columns);
@@ -124,9 +127,14 @@ ChunkedRun run_in_chunks(const Prepared& prepared, const StepLimits& limits, std
   std::vector<LaneRun> runs = cut(times, grid, std::move(starts), out.values.data(), overlaps.data(), columns);
   // Rows that two chunks compute are counted once.
   const auto rows = static_cast<std::int64_t>(times.size());
-  Simulator::Observer of_the_grid;
-  if (observer) of_the_grid = [&](std::int64_t done, std::int64_t) { return observer(std::min(done, rows), rows); };
-  tiles.run(runs, of_the_grid, rows);
+  Progress progress{{}, rows, 0, false};
+  if (observer) {
+    progress.observer = [&](std::int64_t done, std::int64_t of) { return observer(std::min(done, of), of); };
+  }
+  run_queue(
+      team, tiles.tiles(chunks),
+      [&](int rank, std::size_t tile, const auto& proceed) { tiles.run(rank, runs, tile, proceed); }, progress);
+  mark_not_begun(runs);
 
   const auto proceed = [&] { return !observer || observer(rows, rows); };
   Status doubt;  // the first one

@@ -18,6 +18,7 @@
 #include "side_by_side/row_takers.hpp"
 #include "side_by_side/run_arguments.hpp"
 #include "side_by_side/tiles.hpp"
+#include "side_by_side/work_queue.hpp"
 #include "signals/columns.hpp"
 #include "structure/same_structure.hpp"
 
@@ -77,11 +78,24 @@ struct Ensemble::Impl {
     const std::size_t most = std::min(bound->count(), kMostLaneRuns);
     if (anew || most > std::min(cannot.size(), kMostLaneRuns)) {
       bound_tiles.reset();
-      if (bound->why_not().empty()) bound_tiles = std::make_unique<Tiles>(*prepared, limits, most, bound.get());
+      if (bound->why_not().empty()) bound_tiles = make_tiles(*prepared, most, bound.get());
     }
     cannot.assign(bound->count(), {});
     report = {};
     outcomes.clear();
+  }
+
+  // The team, with as many threads of the plan as `pieces` of work keep busy.
+  Team& team_for(std::size_t pieces) {
+    const auto size = static_cast<int>(std::clamp<std::size_t>(pieces, 1, idx(prepared->plan.run.threads)));
+    if (!team || team->size() < size) team = std::make_unique<Team>(size, limits.pin_to);
+    return *team;
+  }
+
+  // Workers for all threads that the team may ever have.
+  [[nodiscard]] std::unique_ptr<Tiles> make_tiles(const Prepared& of, std::size_t members,
+                                                  const BoundMembers* table = nullptr) const {
+    return std::make_unique<Tiles>(of, limits, members, prepared->plan.run.threads, table);
   }
 
   // A structure that only one member has is not worth a tile; classes before `first` get one nevertheless.
@@ -89,7 +103,12 @@ struct Ensemble::Impl {
     const auto single = std::partition(first, classes.end(), [](const Class& c) { return c.members.size() > 1; });
     for (auto c = single; c != classes.end(); ++c) others.emplace(c->members[0], std::move(c->prepared));
     classes.erase(single, classes.end());
-    for (Class& c : classes) c.tiles = std::make_unique<Tiles>(c.prepared, limits, c.members.size());
+    std::size_t pieces = others.size();
+    for (Class& c : classes) {
+      c.tiles = make_tiles(c.prepared, c.members.size());
+      pieces += c.tiles->tiles(c.members.size());
+    }
+    (void)team_for(pieces);
   }
 
   void take(std::size_t i, Prepared p) {
@@ -118,6 +137,9 @@ struct Ensemble::Impl {
     std::vector<std::size_t>& rows;  // receives the number of rows of each member
     double* values = nullptr;        // members x times x columns, or
     std::function<RowTaker&(std::size_t member)> taker = {};
+    std::size_t columns = 0;
+
+    [[nodiscard]] double* values_of(std::size_t member) const { return values + member * times.size() * columns; }
   };
 
   void start(const Results& results) {
@@ -137,13 +159,7 @@ struct Ensemble::Impl {
     start(results);
     const auto rows = [&](std::size_t members) { return static_cast<std::int64_t>(members * results.times.size()); };
     const std::int64_t of = rows(static_cast<std::size_t>(std::count(cannot.begin(), cannot.end(), std::string())));
-    Progress progress{{}, 0, false};
-    if (observer) {
-      progress.observer = [&](std::int64_t done, std::int64_t) {
-        progress.stopped = !observer(progress.before + done, of);
-        return !progress.stopped;
-      };
-    }
+    Progress progress{observer, of, 0, false};
     if (bound) {
       run_bound(results, progress);
     } else {
@@ -152,32 +168,52 @@ struct Ensemble::Impl {
     summarize(results);
   }
 
-  // Rows of the members that have run, and whether the observer has stopped the run.
-  struct Progress {
-    Simulator::Observer observer;
-    std::int64_t before = 0;
-    bool stopped = false;
-  };
-
   void interrupt(std::size_t i, const Results& results) {
     outcomes[i].status = {Code::interrupted, {}, results.times[0]};
   }
 
+  // A member that runs alone.
+  struct LoneRun {
+    std::size_t member = 0;
+    RowTaker* taker = nullptr;
+    Report report;
+    bool begun = false;
+  };
+
+  // Runs the tiles of all classes, and then the members that run alone, in one queue.
   void run_prepared(const Results& results, Progress& progress) {
+    struct Piece {
+      std::size_t of, tile;
+    };
+    std::vector<std::vector<LaneRun>> runs;
+    std::vector<Piece> pieces;
     for (Class& c : classes) {
-      std::vector<LaneRun> runs(c.members.size());
-      for (std::size_t i = 0; i < runs.size(); ++i) runs[i].variant = c.variants[i];
-      run_in_lanes(*c.tiles, runs, c.members, results, progress);
-      totals.merge(c.tiles->totals());
+      std::vector<LaneRun> own(c.members.size());
+      for (std::size_t i = 0; i < own.size(); ++i) own[i].variant = c.variants[i];
+      set_results(own, c.members, results);
+      for (std::size_t t = 0; t < c.tiles->tiles(own.size()); ++t) pieces.push_back({runs.size(), t});
+      runs.push_back(std::move(own));
     }
+    const std::size_t tiles = pieces.size();
+    std::vector<LoneRun> alone;
     for (const auto& [i, other] : others) {
-      if (progress.stopped) {
-        interrupt(i, results);
-        continue;
-      }
-      run_other(i, results, progress.observer);
-      progress.before += static_cast<std::int64_t>(results.times.size());
+      alone.push_back({i, results.values == nullptr ? &results.taker(i) : nullptr, {}, false});
     }
+    run_queue(
+        team_for(tiles + alone.size()), tiles + alone.size(),
+        [&](int rank, std::size_t p, const auto& proceed) {
+          if (p >= tiles) {
+            run_alone(alone[p - tiles], results, proceed);
+          } else {
+            classes[pieces[p].of].tiles->run(rank, runs[pieces[p].of], pieces[p].tile, proceed);
+          }
+        },
+        progress);
+    for (std::size_t c = 0; c < classes.size(); ++c) {
+      take_results(runs[c], classes[c].members, results, progress);
+      totals.merge(classes[c].tiles->totals());
+    }
+    for (const LoneRun& run : alone) take_results(run, results, progress);
   }
 
   // Runs the members of the table: in lanes where they can be bound, and prepared where not.
@@ -193,7 +229,13 @@ struct Ensemble::Impl {
       }
       std::vector<LaneRun> runs(members.size());
       for (std::size_t i = 0; i < runs.size(); ++i) runs[i].member = members[i];
-      run_in_lanes(*bound_tiles, runs, members, results, progress);
+      set_results(runs, members, results);
+      const std::size_t tiles = bound_tiles->tiles(runs.size());
+      run_queue(
+          team_for(tiles), tiles,
+          [&](int rank, std::size_t tile, const auto& proceed) { bound_tiles->run(rank, runs, tile, proceed); },
+          progress);
+      take_results(runs, members, results, progress);
       for (const LaneRun& run : runs) {
         if (run.unbound) unbound.push_back(run.member);
       }
@@ -216,9 +258,8 @@ struct Ensemble::Impl {
   void run_unbound(std::span<const std::size_t> members, const Results& results, Progress& progress) {
     std::vector<std::optional<Prepared>> made(members.size());
     std::atomic<std::size_t> next = 0;
-    Team team(static_cast<int>(std::min(idx(prepared->plan.run.threads), members.size())), limits.pin_to);
     if (!progress.stopped) {
-      team.run([&](int) {
+      team_for(members.size()).run([&](int) {
         for (std::size_t k; (k = next++) < members.size();) {
           try {
             made[k] = bound->prepare(members[k]);
@@ -246,28 +287,26 @@ struct Ensemble::Impl {
     others.clear();
   }
 
-  // Runs members of one structure, in tiles; a free thread takes the next tile. Members that are not bound keep their
-  // outcomes.
-  void run_in_lanes(Tiles& tiles, std::span<LaneRun> runs, std::span<const std::size_t> members, const Results& results,
-                    Progress& progress) {
-    if (progress.stopped) {
-      for (const std::size_t i : members) interrupt(i, results);
-      return;
-    }
+  // Says where the rows of runs go.
+  static void set_results(std::span<LaneRun> runs, std::span<const std::size_t> members, const Results& results) {
     for (std::size_t i = 0; i < runs.size(); ++i) {
       runs[i].times = results.times;
       if (results.values != nullptr) {
-        runs[i].rows = results.values + members[i] * results.times.size() * columns.size();
+        runs[i].rows = results.values_of(members[i]);
       } else {
         runs[i].taker = &results.taker(members[i]);
       }
     }
-    tiles.run(runs, progress.observer, 0);
-    const auto rows = static_cast<std::int64_t>(results.times.size());
+  }
+
+  // Members that are not bound keep their outcomes.
+  void take_results(std::span<LaneRun> runs, std::span<const std::size_t> members, const Results& results,
+                    Progress& progress) {
+    mark_not_begun(runs);
     for (std::size_t i = 0; i < runs.size(); ++i) {
       LaneRun& run = runs[i];
       if (run.unbound) continue;
-      progress.before += rows;
+      progress.done += static_cast<std::int64_t>(results.times.size());
       results.rows[members[i]] = run.done;
       totals.error.merge(run.error);
       outcomes[members[i]] = {run.status, run.reached,    std::move(run.cannot),
@@ -276,12 +315,14 @@ struct Ensemble::Impl {
     }
   }
 
-  void run_other(std::size_t i, const Results& results, const Simulator::Observer& observer) {
-    Prepared p = others.at(i);
+  // Called by all threads, for members of their own.
+  void run_alone(LoneRun& run, const Results& results, const std::function<bool(std::size_t rows)>& proceed) {
+    Prepared p = others.at(run.member);
     p.plan.run.threads = 1;
-    Outcome& outcome = outcomes[i];
+    run.begun = true;
+    Outcome& outcome = outcomes[run.member];
     outcome.alone = true;
-    outcome.alone_from = outcome.reached = results.times[0];
+    outcome.alone_from = results.times[0];
     std::optional<Simulator> simulator;
     try {
       simulator.emplace(std::move(p), limits);
@@ -291,21 +332,29 @@ struct Ensemble::Impl {
       outcome.status.code = Code::singular;
       return;
     }
-    const Trajectory t = simulator->run(results.times, observer);
-    if (results.values != nullptr) {
-      std::copy(t.values().begin(), t.values().end(), results.values + i * results.times.size() * columns.size());
+    const Trajectory t = simulator->run(
+        results.times, [&](std::int64_t done, std::int64_t) { return proceed(static_cast<std::size_t>(done)); });
+    if (run.taker == nullptr) {
+      std::copy(t.values().begin(), t.values().end(), results.values_of(run.member));
     } else {
-      RowTaker& taker = results.taker(i);
-      for (std::size_t k = 0; k < t.rows(); ++k) taker.take(t.times()[k], t.row(k).data());
-      if (t.rows() > 0) taker.finish();
+      for (std::size_t k = 0; k < t.rows(); ++k) run.taker->take(t.times()[k], t.row(k).data());
+      if (t.rows() > 0) run.taker->finish();
     }
-    const Report& its = simulator->report();
-    results.rows[i] = t.rows();
-    outcome.status = its.status;
-    outcome.reached = its.reached;
-    outcome.events = its.events;
-    note(i, its.fallbacks);
-    totals.merge({its.counters, its.error, its.effort});
+    run.report = simulator->report();
+    results.rows[run.member] = t.rows();
+    outcome.status = run.report.status;
+    outcome.reached = run.report.reached;
+    outcome.events = run.report.events;
+  }
+
+  void take_results(const LoneRun& run, const Results& results, Progress& progress) {
+    if (!run.begun) {
+      interrupt(run.member, results);
+      return;
+    }
+    progress.done += static_cast<std::int64_t>(results.times.size());
+    note(run.member, run.report.fallbacks);
+    totals.merge({run.report.counters, run.report.error, run.report.effort});
   }
 
   void note(std::size_t member, const std::vector<std::string>& fallbacks) {
@@ -350,6 +399,7 @@ struct Ensemble::Impl {
   StepLimits limits;
   std::unique_ptr<BoundMembers> bound;     // null: the members were prepared
   std::unique_ptr<Tiles> bound_tiles;      // null: no member is bound
+  std::unique_ptr<Team> team;              // threads of the plan, as many as were needed so far
   std::vector<std::string> cannot;         // reason why the member cannot be started; empty: it can
   std::optional<Prepared> prepared;        // that of the first member that can be started
   std::vector<std::string> columns;        // of all members
@@ -403,7 +453,7 @@ EnsembleTrajectory Ensemble::run(std::span<const double> times, const Simulator:
   out.times_.assign(times.begin(), times.end());
   check_memory(members() * times.size(), out.columns_.size());
   out.values_.reset(new double[members() * times.size() * out.columns_.size()]);
-  impl_->run({out.times_, out.rows_, out.values_.get()}, observer);
+  impl_->run({out.times_, out.rows_, out.values_.get(), {}, out.columns_.size()}, observer);
   Impl::fill_missing_rows(out);
   return out;
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <random>
 #include <vector>
 
 #include "assur/assur.hpp"
@@ -51,6 +52,25 @@ inline Kept run(const Linkage& linkage, const std::vector<double>& times) { retu
 inline Linkage four_bar(double crank, double coupler, double rocker, double distance, double angle = 0) {
   return {{Joint::ground(0, 0), Joint::crank(0, crank, angle, kTurn), Joint::ground(distance, 0),
            Joint::dyad(1, 2, coupler, rocker, true)}};
+}
+
+// A crank-rocker whose coupler carries a link on three rods: a triad between the crank, the coupler's joint and the
+// ground. What varies are lengths and places.
+inline Linkage with_triad(std::size_t k) {
+  std::mt19937_64 engine(k);
+  const auto near = [&](double value, double by) {
+    return value + by * (2 * static_cast<double>(engine() >> 11) * 0x1p-53 - 1);
+  };
+  Linkage linkage = four_bar(1, near(3, 0.2), near(2.5, 0.2), near(3, 0.2), near(0, 3));
+  linkage.joints.push_back(Joint::ground(near(0, 1), near(5, 1)));
+  const double crank_x = std::cos(linkage.joints[1].value[1]), crank_y = std::sin(linkage.joints[1].value[1]);
+  const std::array<PlanePoint, 3> at = {PlanePoint{near(crank_x - 1, 0.5), near(crank_y + 2.5, 0.5)},
+                                        {near(3.5, 0.5), near(4, 0.5)},
+                                        {near(1, 0.5), near(4, 0.5)}};
+  linkage.joints.push_back(Joint::triad(1, near(2.8, 0.4), at[0][0], at[0][1]));
+  linkage.joints.push_back(Joint::triad(3, near(2, 0.4), at[1][0], at[1][1]));
+  linkage.joints.push_back(Joint::triad(4, near(2, 0.4), at[2][0], at[2][1]));
+  return linkage;
 }
 
 inline double largest(const std::vector<PlanePoint>& path) {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <cstring>
 #include <functional>
 #include <sstream>
 
@@ -273,6 +274,30 @@ TEST(Ensemble, AnObserverStopsMembersOfAnotherStructure) {
       EXPECT_EQ(e.outcomes()[i].reached, all.times()[rows[i] > 0 ? rows[i] - 1 : 0]) << most << " " << i;
     }
   }
+}
+
+// Members that share no structure are pieces of one queue with the tiles of the others.
+TEST(Ensemble, MembersOfManyStructuresOnTwoThreads) {
+  const SceneOf scene = [](std::size_t i) {
+    if (i == 3) return in_translation();
+    if (i % 3 == 1) {  // another start time
+      return with_law(Law::polynomial({0, 2}))
+          .with_outputs({"B", "C"})
+          .with_time({0.01 * static_cast<double>(i), 1, 0.01});
+    }
+    return i % 3 == 2 ? with_law(Law::polynomial({0, 3})).with_outputs({"B", "C"}) : on_a_rail();
+  };
+  Ensemble one = ensemble(23, scene), two = ensemble(23, scene, "groups/eigen:4 2x1");
+  const EnsembleTrajectory a = one.run(), b = two.run();
+  ASSERT_EQ(a.values().size(), b.values().size());
+  EXPECT_EQ(std::memcmp(a.values().data(), b.values().data(), a.values().size_bytes()), 0);
+  for (std::size_t i = 0; i < 23; ++i) {
+    EXPECT_EQ(one.outcomes()[i].status.code, two.outcomes()[i].status.code) << i;
+    EXPECT_EQ(one.outcomes()[i].alone, two.outcomes()[i].alone) << i;
+    EXPECT_EQ(one.outcomes()[i].cannot, "") << i;
+  }
+  EXPECT_EQ(one.report().fallbacks, two.report().fallbacks);
+  EXPECT_EQ(std::count_if(one.outcomes().begin(), one.outcomes().end(), [](const auto& o) { return o.alone; }), 9);
 }
 
 TEST(Ensemble, CsvHasAllFinishedRows) {

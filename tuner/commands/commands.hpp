@@ -16,6 +16,7 @@
 #include "assur/scene.hpp"
 #include "assur/simulator.hpp"
 #include "assur/strategy.hpp"
+#include "output/motion_files.hpp"
 #include "sweep/design_space.hpp"
 
 namespace assur::command {
@@ -68,9 +69,8 @@ struct RunOptions {
   std::string ensemble;              // CSV of parameters, a row for each member; empty: no ensemble
   double accuracy = 0;               // PrepareOptions::accuracy
   int iterations = 0;                // StepLimits::iterations
-  std::string csv;                   // "-": standard output; empty: none
-  std::string npy;                   // NumPy array; empty: none
-  NpyOptions npy_how;
+  output::MotionFileNames motion;
+  NpyOptions motion_how;  // of --npy and --hdf5
   std::string errors;   // CSV with the errors of each group in each step; empty: none
   std::string animate;  // a page on which the mechanism moves; empty: none
   std::string picture;  // the mechanism in motion, as SVG; empty: none

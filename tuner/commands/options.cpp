@@ -175,13 +175,16 @@ void add_run(CLI::App& app, Invocation& call) {
   run.add_option("--iterations", o.iterations, "Fixed number of Newton iterations (except first level)")
       ->check(whole_number(1))
       ->type_name("N");
-  CLI::Option* csv = run.add_option("--csv", o.csv, "Write the motion; - for standard output")->type_name("FILE");
-  CLI::Option* npy = run.add_option("--npy", o.npy, "Write the motion as a NumPy array with named columns");
+  CLI::Option* csv =
+      run.add_option("--csv", o.motion.csv, "Write the motion; - for standard output")->type_name("FILE");
+  CLI::Option* npy = run.add_option("--npy", o.motion.npy, "Write the motion as a NumPy array with named columns");
   npy->type_name("F.npy");
+  CLI::Option* hdf5 = run.add_option("--hdf5", o.motion.hdf5, "Write the motion as HDF5, a data set for each column");
+  hdf5->type_name("F.h5");
   CLI::Option* every =
-      run.add_option("--every", o.npy_how.every, "For --npy: every N-th row, beginning with the first");
-  every->check(whole_number(1))->needs(npy)->type_name("N");
-  run.add_flag("--single", o.npy_how.single, "For --npy: in single precision")->needs(npy);
+      run.add_option("--every", o.motion_how.every, "For --npy, --hdf5: every N-th row, from the first");
+  every->check(whole_number(1))->type_name("N");
+  CLI::Option* single = run.add_flag("--single", o.motion_how.single, "For --npy, --hdf5: in single precision");
   CLI::Option* errors =
       run.add_option("--errors", o.errors, "Write the errors of each group at each step")->type_name("FILE");
   CLI::Option* animate =
@@ -192,13 +195,19 @@ void add_run(CLI::App& app, Invocation& call) {
   run.add_flag("--certify", o.certify, "Prove bounds for the position errors");
   run.add_flag("--pin", o.pin, "Bind each thread to a core, where it busy-waits");
   add_common(run, call.common);
-  run.callback([&call, files = std::vector<CLI::Option*>{ensemble, csv, npy, errors, animate, picture, plot}] {
+  run.callback([&call, files = std::vector<CLI::Option*>{ensemble, csv, npy, hdf5, errors, animate, picture, plot},
+                rows = std::vector<CLI::Option*>{every, single}] {
     for (const CLI::Option* file : files) {
       if (file->count() > 0 && file->results().back().empty()) {
         throw CLI::ValidationError(file->get_name(), "expects a file name");
       }
     }
-    if (call.common.json && call.run.csv == "-") {
+    for (const CLI::Option* option : rows) {
+      if (option->count() > 0 && call.run.motion.npy.empty() && call.run.motion.hdf5.empty()) {
+        throw CLI::ValidationError(option->get_name(), "chooses rows of --npy or --hdf5; give one of them");
+      }
+    }
+    if (call.common.json && call.run.motion.csv == "-") {
       throw CLI::ValidationError("--csv", "cannot share standard output with --json; give a file");
     }
     call.chosen = [&call] { return command::run(call.common, call.run); };

@@ -10,7 +10,7 @@
 #include "commands/run_parts.hpp"
 #include "commands/run_report.hpp"
 #include "commands/start_modes.hpp"
-#include "output/csv_file.hpp"
+#include "output/motion_files.hpp"
 #include "output/progress.hpp"
 #include "output/status_text.hpp"
 #include "pictures/outputs_over_time.hpp"
@@ -56,9 +56,7 @@ int run(const Common& common, const RunOptions& options) {
   const std::vector<ModeChoice> modes = chosen_modes(scene, options.start_modes);
   const Prepared prepared = prepare_or_show(scene, how, modes, options);
   Simulator simulator(prepared, limits_of(options));
-  output::CsvFile csv(options.csv);
-  std::optional<output::Replacement> npy;
-  if (!options.npy.empty()) npy.emplace("--npy", options.npy);
+  output::MotionFiles files(options.motion, options.motion_how);
   std::optional<output::ErrorsCsv> errors;
   if (!options.errors.empty()) errors.emplace(options.errors);
   std::optional<output::Replacement> animation, picture, plot;
@@ -72,11 +70,7 @@ int run(const Common& common, const RunOptions& options) {
   const double begin = measure::StepTimes::steady();
   const Trajectory trajectory = follow(simulator, progress, times, steps);
   const double seconds = measure::StepTimes::steady() - begin;
-  csv.write(trajectory);
-  if (npy) {
-    write_npy(npy->stream(), trajectory, options.npy_how);
-    npy->put();
-  }
+  files.write(trajectory);
 
   Report report = simulator.report();
   if (options.reference && trajectory.rows() > 0 && report.status.code != Code::interrupted) {

@@ -13,8 +13,8 @@
 #include "commands/run_parts.hpp"
 #include "commands/run_report.hpp"
 #include "commands/start_modes.hpp"
-#include "output/csv_file.hpp"
 #include "output/format.hpp"
+#include "output/motion_files.hpp"
 #include "output/progress.hpp"
 #include "parallel/free_memory.hpp"
 #include "scene/outputs.hpp"
@@ -121,9 +121,7 @@ int run_ensemble(const Common& common, const RunOptions& options) {
   Progress preparing(std::cerr, style, "member");
   const double start = StepTimes::steady();
   Ensemble ensemble = prepare_all(common, variants, options, how, preparing);
-  output::CsvFile csv(options.csv);
-  std::optional<output::Replacement> npy;
-  if (!options.npy.empty()) npy.emplace("--npy", options.npy);
+  output::MotionFiles files(options.motion, options.motion_how);
 
   const std::int64_t steps = ensemble.prepared().scene->time().steps();
   const std::int64_t member_steps = steps * static_cast<std::int64_t>(variants.size());
@@ -136,11 +134,7 @@ int run_ensemble(const Common& common, const RunOptions& options) {
   }();
   const double seconds = StepTimes::steady() - begin;
   progress.clear();
-  csv.write(trajectory);
-  if (npy) {
-    write_npy(npy->stream(), trajectory, options.npy_how);
-    npy->put();
-  }
+  files.write(trajectory);
 
   const output::Members members = output::members_of(ensemble.outcomes(), variants);
   Report report = ensemble.report();

@@ -46,8 +46,9 @@ void check_mode(const RunOptions& options, bool chunks) {
 }  // namespace
 
 std::vector<std::pair<std::string, std::string>> outputs_of(const RunOptions& options) {
-  return {{"--csv", options.csv},         {"--npy", options.npy},         {"--errors", options.errors},
-          {"--animate", options.animate}, {"--picture", options.picture}, {"--plot", options.plot}};
+  return {{"--csv", options.motion.csv}, {"--npy", options.motion.npy},  {"--hdf5", options.motion.hdf5},
+          {"--errors", options.errors},  {"--animate", options.animate}, {"--picture", options.picture},
+          {"--plot", options.plot}};
 }
 
 Scene scene_of(const Common& common, const RunOptions& options, const Parameters& set) {
@@ -99,9 +100,9 @@ Simulator::Observer observer(output::Progress& progress, measure::StepTimes& tim
 void print(const Common& common, const RunOptions& options, const output::RunSummary& summary) {
   if (common.json) {
     output::print(std::cout, to_json(summary));
-  } else if (options.csv != "-" || !common.quiet) {
+  } else if (options.motion.csv != "-" || !common.quiet) {
     // Standard output holds nothing but the CSV if --csv - is given.
-    output::Page page(options.csv == "-" ? std::cerr : std::cout);
+    output::Page page(options.motion.csv == "-" ? std::cerr : std::cout);
     output::print(page, summary);
   }
 }

@@ -1,7 +1,5 @@
 #include "sweep/linkage_file.hpp"
 
-#include <hdf5.h>
-
 #include <algorithm>
 #include <filesystem>
 #include <functional>
@@ -9,39 +7,16 @@
 #include <utility>
 
 #include "assur/status.hpp"
+#include "output/hdf5_handle.hpp"
 
 namespace assur::sweep {
 namespace {
 
-// A handle of the HDF5 library.
-class Handle {
- public:
-  Handle() = default;
-  Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
-  Handle(Handle&& o) noexcept : id_(std::exchange(o.id_, -1)), close_(o.close_) {}
-  Handle& operator=(Handle&& o) noexcept {
-    std::swap(id_, o.id_);
-    std::swap(close_, o.close_);
-    return *this;
-  }
-  ~Handle() {
-    if (id_ >= 0) close_(id_);
-  }
-  [[nodiscard]] hid_t operator*() const { return id_; }
-  [[nodiscard]] bool valid() const { return id_ >= 0; }
-
- private:
-  hid_t id_ = -1;
-  herr_t (*close_)(hid_t) = nullptr;
-};
-
-using Shape = std::vector<hsize_t>;
+using Handle = output::Hdf5Handle;
+using Shape = output::Hdf5Shape;
+using output::hdf5_space;
 
 constexpr hsize_t kChunkBytes = 256 << 10;
-
-Handle space_of(const Shape& shape, const Shape& most) {
-  return {H5Screate_simple(static_cast<int>(shape.size()), shape.data(), most.data()), H5Sclose};
-}
 
 }  // namespace
 
@@ -130,7 +105,7 @@ struct LinkageFile::Impl {
   }
 
   void write_constant(const char* of, const Shape& shape, const double* values) const {
-    const Handle space = space_of(shape, shape);
+    const Handle space = hdf5_space(shape, shape);
     const Handle data(H5Dcreate2(*file, of, H5T_IEEE_F64LE, *space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Dclose);
     check(H5Dwrite(*data, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values));
   }
@@ -157,7 +132,7 @@ struct LinkageFile::Impl {
         bytes *= n;
       }
       chunk[0] = std::max<hsize_t>(1, kChunkBytes / bytes);
-      const Handle how(H5Pcreate(H5P_DATASET_CREATE), H5Pclose), space = space_of(shape, most);
+      const Handle how(H5Pcreate(H5P_DATASET_CREATE), H5Pclose), space = hdf5_space(shape, most);
       check(H5Pset_chunk(*how, static_cast<int>(chunk.size()), chunk.data()));
       c.data = {H5Dcreate2(*file, c.name, c.stored, *space, H5P_DEFAULT, *how, H5P_DEFAULT), H5Dclose};
       if (!c.data.valid()) fail();
@@ -200,7 +175,7 @@ struct LinkageFile::Impl {
     Shape from = {static_cast<hsize_t>(counts.rows)}, size = {count};
     from.insert(from.end(), c.row.size(), 0);
     size.insert(size.end(), c.row.begin(), c.row.end());
-    const Handle in_file(H5Dget_space(*c.data), H5Sclose), in_memory = space_of(size, size);
+    const Handle in_file(H5Dget_space(*c.data), H5Sclose), in_memory = hdf5_space(size, size);
     check(H5Sselect_hyperslab(*in_file, H5S_SELECT_SET, from.data(), nullptr, size.data(), nullptr));
     check(H5Dwrite(*c.data, c.given, *in_memory, *in_file, H5P_DEFAULT, values));
   }

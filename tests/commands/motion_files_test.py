@@ -1,4 +1,4 @@
-"""`assur run --npy`: NumPy reads what --csv writes. Arguments: the command."""
+"""`assur run --npy` and `--hdf5`: NumPy and h5py read what --csv writes. Arguments: the command."""
 import csv
 import os
 import subprocess
@@ -12,6 +12,13 @@ except ImportError:
     sys.exit(77)
 
 
+try:
+    import h5py
+except ImportError:
+    print("h5py is missing")
+    h5py = None
+
+
 def rows_of(name):
     """Rows of a CSV, as doubles; an empty field is NaN."""
     with open(name) as file:
@@ -19,10 +26,28 @@ def rows_of(name):
 
 
 def run(folder, *arguments):
-    files = [os.path.join(folder, "motion.csv"), os.path.join(folder, "motion.npy")]
-    subprocess.run([sys.argv[1], "run", *arguments, "--quiet", "--csv", files[0], "--npy", files[1]], check=False,
-                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    return rows_of(files[0]), numpy.load(files[1])
+    files = [os.path.join(folder, "motion." + end) for end in ("csv", "npy", "h5")]
+    command = [sys.argv[1], "run", *arguments, "--quiet", "--csv", files[0], "--npy", files[1]]
+    if h5py:
+        command += ["--hdf5", files[2]]
+    done = subprocess.run(command, check=False, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    if "cannot write HDF5" in done.stderr:
+        print(done.stderr)
+        sys.exit(77)
+    motion = numpy.load(files[1])
+    if h5py:
+        compare(files[2], motion)
+    return rows_of(files[0]), motion
+
+
+def compare(name, motion):
+    """The HDF5 file has the columns of the array."""
+    with h5py.File(name) as file:
+        first = motion["t"] if motion.ndim == 1 else motion["t"][0]
+        assert numpy.array_equal(file["t"][:], first)
+        for column in motion.dtype.names[1:]:
+            assert file[column].dtype == motion.dtype[column], column
+            assert numpy.array_equal(file[column][:], motion[column], equal_nan=True), column
 
 
 with tempfile.TemporaryDirectory() as folder:
@@ -36,6 +61,9 @@ with tempfile.TemporaryDirectory() as folder:
     assert motion.shape == (3,) and motion.dtype["B1.x"] == numpy.float32
     for name in motion.dtype.names:
         assert numpy.array_equal(motion[name], numpy.float32([row[name] for row in rows[::7]])), name
+
+    wrong = subprocess.run([sys.argv[1], "run", "four_bar", "--every", "2"], check=False, capture_output=True, text=True)
+    assert wrong.returncode == 2 and "--every: chooses rows of --npy or --hdf5; give one of them" in wrong.stderr, wrong
 
     # The second member jams, the third one is no mechanism.
     variants = os.path.join(folder, "variants.csv")
