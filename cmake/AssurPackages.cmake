@@ -47,7 +47,17 @@ assur_package(MUMPS optional DEBIAN libmumps-seq-dev FOR "backend mumps")
 assur_package(Hwloc optional DEBIAN libhwloc-dev FOR "cores, caches and memory nodes beyond what Linux tells" 2.1)
 assur_package(Boost optional DEBIAN libboost-dev FOR "reference solutions and certificates in quad precision" 1.74)
 assur_package(tinyxml2 optional DEBIAN libtinyxml2-dev FOR "models in MuJoCo's format" 9.0 CONFIG)
-assur_package(Hdf5C optional DEBIAN libhdf5-dev FOR "data sets of linkages" 1.10)
+assur_package(Hdf5C optional DEBIAN libhdf5-dev FOR "data sets of linkages and motions" 1.10)
+if(ASSUR_PYTHON)
+  # The Python of the system, because system packages only work with it.
+  find_program(PYTHON_EXECUTABLE python3 HINTS /usr/bin)
+  set(Python3_EXECUTABLE ${PYTHON_EXECUTABLE})
+  assur_package(Python3 optional DEBIAN "python3-dev python3-numpy" FOR "the Python package" 3.9
+                COMPONENTS Interpreter Development.Module)
+  if(Python3_FOUND)  # pybind11 insists on its headers
+    assur_package(pybind11 optional DEBIAN pybind11-dev FOR "the Python package" 2.10 CONFIG)
+  endif()
+endif()
 if(BUILD_TESTING)
   assur_package(GTest optional DEBIAN libgtest-dev FOR "tests")
 endif()

@@ -20,6 +20,12 @@ function(assur_target target)
     # six measured files take 8 % less time together, and the compiler up to a fifth more memory.
     target_compile_options(${target} PRIVATE --param=ggc-min-heapsize=524288)
   endif()
+  # The static libraries can be linked into shared ones, such as the Python module. Functions that no one replaces at run
+  # time may be inlined nevertheless.
+  set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+  if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
+    target_compile_options(${target} PRIVATE -fno-semantic-interposition)
+  endif()
   # Contraction of a multiplication and an addition rounds once instead of twice, wherever the optimiser chooses.
   # Without contraction, results have the same bits at every optimisation level.
   target_compile_options(${target} PRIVATE -ffp-contract=off)

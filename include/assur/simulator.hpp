@@ -119,6 +119,18 @@ class SimulatorState {
   std::unique_ptr<Impl> impl_;
 };
 
+// A controlled driver, or one value of a controlled pose, of the simulators of one Prepared: found once by its name, so
+// that a control loop looks up no text. See Simulator::driver().
+class DriverHandle {
+ public:
+  DriverHandle() = default;  // of no driver: Simulator::set() refuses it
+
+ private:
+  friend class Simulator;
+  explicit DriverHandle(std::int32_t index) : index_(index) {}
+  std::int32_t index_ = -1;
+};
+
 // Moves one mechanism. Simulators share no data that changes: each thread of the program may use its own one, also
 // within a parallel region of OpenMP, with the threads of its plan. One simulator serves one thread at a time; the
 // thread may change. After a fork(), both processes may go on with those simulators that no thread was using at that
@@ -163,6 +175,11 @@ class Simulator {
   // driver. A number that is not finite lets the next step fail as not_finite, with an event that names the driver; all
   // targets of that step are then dropped.
   void set(std::string_view driver, double value, double rate = 0, double acceleration = 0);
+  // The same without a search for the name. `driver` is of this simulator, or of another one of the same Prepared.
+  // Throws Error (input) for a handle of no driver.
+  void set(DriverHandle driver, double value, double rate = 0, double acceleration = 0);
+  // The handle of a controlled driver. Throws like set().
+  [[nodiscard]] DriverHandle driver(std::string_view name) const;
 
   // Moves from time() by TimeGrid::step to the targets that were set, also beyond the end of the grid; other drivers
   // follow their laws. Without a time grid it does nothing: it returns ok, and targets wait. A step that fails restores
@@ -218,6 +235,8 @@ class Simulator {
   [[nodiscard]] std::span<const double> outputs() const;
   // One output at time() by its name. Throws Error (input), with a list of the columns, if there is no such name.
   [[nodiscard]] double output(std::string_view column) const;
+  // Index of a column in outputs(), for control loops. Throws like output().
+  [[nodiscard]] std::size_t index(std::string_view column) const;
 
   // Accuracy of every group at time(), in the order of Structure::groups. The report includes the findings. Allocates
   // memory and takes the time of 20 to 80 steps of a small mechanism.

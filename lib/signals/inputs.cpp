@@ -119,13 +119,19 @@ bool Inputs::follows_law(std::size_t input, std::size_t law) const {
          });
 }
 
-void Inputs::set(std::string_view driver, const Motion& motion) {
-  for (Control& c : controls_) {
-    if (c.name != driver) continue;
-    c.next = motion;
-    c.next.value += system_.inputs[c.input].zero;
-    c.pending = true;
-    return;
+void Inputs::set(std::size_t driver, const Motion& motion) {
+  if (driver >= controls_.size()) {
+    throw Error(Error::Kind::input, "this is no handle of a controlled driver; ask Simulator::driver() for it");
+  }
+  Control& c = controls_[driver];
+  c.next = motion;
+  c.next.value += system_.inputs[c.input].zero;
+  c.pending = true;
+}
+
+std::size_t Inputs::index(std::string_view driver) const {
+  for (std::size_t i = 0; i < controls_.size(); ++i) {
+    if (controls_[i].name == driver) return i;
   }
   std::vector<std::string_view> known;
   for (const Control& c : controls_) known.push_back(c.name);

@@ -55,8 +55,10 @@ class Inputs {
   [[nodiscard]] const std::vector<double>& accepted_angles() const { return accepted_angles_; }
   void accept(const std::vector<double>& angles) { accepted_angles_ = angles; }
 
-  // Sets the target of a controlled driver for the next step. Throws Error (input) for any other name.
-  void set(std::string_view driver, const Motion& motion);
+  // The number of a controlled driver. Throws Error (input) for any other name.
+  [[nodiscard]] std::size_t index(std::string_view driver) const;
+  // Sets the target of this driver for the next step. Throws Error (input) for a number of no driver.
+  void set(std::size_t driver, const Motion& motion);
   // The first driver whose target is not finite, with that number; null if there is none.
   [[nodiscard]] const std::string* not_finite(double& value) const;
   // Forgets the targets of the next step.

@@ -489,7 +489,13 @@ Status Simulator::go_to(double t) {
 }
 
 void Simulator::set(std::string_view driver, double value, double rate, double acceleration) {
-  impl_->motion.inputs().set(driver, {value, rate, acceleration});
+  set(this->driver(driver), value, rate, acceleration);
+}
+void Simulator::set(DriverHandle driver, double value, double rate, double acceleration) {
+  impl_->motion.inputs().set(static_cast<std::size_t>(driver.index_), {value, rate, acceleration});
+}
+DriverHandle Simulator::driver(std::string_view name) const {
+  return DriverHandle(static_cast<std::int32_t>(impl_->motion.inputs().index(name)));
 }
 
 Status Simulator::step() {
@@ -707,7 +713,8 @@ bool Simulator::run_in_chunks(std::span<const double> times, const Observer& obs
 const std::vector<std::string>& Simulator::columns() const { return impl_->columns; }
 std::span<const double> Simulator::outputs() const { return impl_->row; }
 
-double Simulator::output(std::string_view column) const { return impl_->row[column_index(impl_->columns, column)]; }
+double Simulator::output(std::string_view column) const { return impl_->row[index(column)]; }
+std::size_t Simulator::index(std::string_view column) const { return column_index(impl_->columns, column); }
 
 std::vector<GroupFigures> Simulator::examine() { return impl_->examine(); }
 

@@ -1,6 +1,9 @@
 // A control loop: commanded drivers, deadlines, failed steps that change nothing.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
+#include "backends/allocations.hpp"
 #include "simulation/limited.hpp"
 #include "simulation/run.hpp"
 
@@ -86,6 +89,32 @@ TEST(Control, UnknownDriverIsRefused) {
   }
   Simulator uncontrolled = test::simulator(sample("four_bar"));
   EXPECT_THROW(uncontrolled.set("motor", 1), Error);
+}
+
+// Handles lead to the drivers and columns with these names, also those of another simulator of the same Prepared.
+TEST(Control, HandlesStandForNames) {
+  const Prepared prepared = prepare(sample("stewart"), {.strategy = "groups/eigen", .controlled = {"pose"}});
+  Simulator by_name(prepared), by_handle(prepared), other(prepared);
+  const DriverHandle x = by_handle.driver("pose.x"), psi = other.driver("pose.psi");
+  const std::size_t column = by_handle.index("B3.vy");
+  for (int k = 1; k < 20; ++k) {
+    const double value = 0.001 * k;
+    by_name.set("pose.x", value, 0.1);
+    by_handle.set(x, value, 0.1);
+    by_name.set("pose.psi", 2 * value, 0.2, 0.5);
+    by_handle.set(psi, 2 * value, 0.2, 0.5);
+    ASSERT_TRUE(by_name.step().ok());
+    ASSERT_TRUE(by_handle.step().ok());
+    ASSERT_TRUE(std::ranges::equal(by_name.outputs(), by_handle.outputs()));
+    ASSERT_EQ(by_handle.outputs()[column], by_name.output("B3.vy"));
+  }
+  const std::int64_t before = test::allocations();
+  by_handle.set(x, 0.02);
+  EXPECT_EQ(test::allocations(), before);
+  EXPECT_THROW(by_handle.set(DriverHandle(), 1), Error);
+  EXPECT_THROW(Simulator(prepare(sample("stewart"))).set(x, 1), Error);
+  EXPECT_THROW((void)by_handle.driver("pose.w"), Error);
+  EXPECT_THROW((void)by_handle.index("B3.q"), Error);
 }
 
 // This mechanism cannot reach cos(angle) < 0.04.

@@ -1,0 +1,76 @@
+// The calls that callers from other languages are measured against, in C++:
+//   callers_bench loop STEPS        a control loop of a four-bar: set, step, one output; prints ns for one turn of it
+//   callers_bench ensemble MEMBERS  four-bars with couplers from a table, bound and run over 200 steps; prints s
+// bench/callers.py runs them interleaved with the same calls in Python.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include "assur/assur.hpp"
+
+namespace assur::bench {
+namespace {
+
+double seconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+Scene four_bar() {
+  SceneBuilder b("four_bar", 2);
+  b.fixed_point("A", {0, 0, 0}).fixed_point("D", {3, 0, 0}).point("B", {1, 0, 0}).point("C", {2.5, 2.4, 0});
+  b.constrain("crank", Distance{"A", "B", 1}).constrain("coupler", Distance{"B", "C", 3});
+  b.constrain("rocker", Distance{"D", "C", 2.5});
+  b.drive("motor", PointAngle{"A", "B", "", Law::polynomial({0, 6.283185307179586})});
+  b.output("C").time(0, 1, 0.005);
+  return std::move(b).build();
+}
+
+void loop(int steps) {
+  Simulator simulator(prepare(four_bar(), {.controlled = {"motor"}, .budget = ThreadBudget{1}}));
+  const DriverHandle motor = simulator.driver("motor");
+  const std::size_t x = simulator.index("C.x");
+  double sum = 0;
+  const double begin = seconds();
+  for (int k = 1; k <= steps; ++k) {
+    simulator.set(motor, 0.01 * k, 2.0);
+    if (!simulator.step().arrived()) std::exit(1);
+    sum += simulator.outputs()[x];
+  }
+  std::printf("%.3f %.17g\n", 1e9 * (seconds() - begin) / steps, sum);
+}
+
+void ensemble(std::size_t members) {
+  std::vector<double> couplers(members), others(members);
+  for (std::size_t i = 0; i < members; ++i) {
+    couplers[i] = 2.8 + 0.4 * static_cast<double>(i) / static_cast<double>(members - 1);
+    others[i] = couplers[members - 1 - i];
+  }
+  PrepareOptions options;
+  options.budget = ThreadBudget{1};
+  options.mode = Mode::throughput;
+  Ensemble designs(four_bar(), {"coupler"}, couplers, options);
+  (void)designs.run();
+  const double begin = seconds();
+  designs.bind(others);
+  const EnsembleTrajectory motion = designs.run();
+  std::printf("%.6f %.17g\n", seconds() - begin, motion(members - 1, 200, 0));
+}
+
+}  // namespace
+}  // namespace assur::bench
+
+int main(int count, char** arguments) {
+  const std::string what = count > 2 ? arguments[1] : "";
+  if (what == "loop") {
+    assur::bench::loop(std::max(std::atoi(arguments[2]), 1));
+  } else if (what == "ensemble") {
+    assur::bench::ensemble(static_cast<std::size_t>(std::max(std::atoi(arguments[2]), 2)));
+  } else {
+    std::fputs("usage: callers_bench loop STEPS | ensemble MEMBERS\n", stderr);
+    return 2;
+  }
+}

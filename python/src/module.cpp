@@ -1,0 +1,102 @@
+#include "module.hpp"
+
+#include <exception>
+
+namespace assur::python {
+namespace {
+
+constexpr auto kPause = std::chrono::milliseconds(50);
+
+}  // namespace
+
+py::array view(const double* data, std::vector<py::ssize_t> shape, py::handle owner) {
+  py::array_t<double> out(std::move(shape), data, owner);
+  out.attr("setflags")(py::arg("write") = false);
+  return out;
+}
+
+py::array column_view(const double* data, std::vector<py::ssize_t> shape, std::vector<py::ssize_t> strides,
+                      py::handle owner) {
+  py::array_t<double> out(std::move(shape), std::move(strides), data, owner);
+  out.attr("setflags")(py::arg("write") = false);
+  return out;
+}
+
+std::vector<double> numbers(const Array& array) { return {array.data(), array.data() + array.size()}; }
+
+std::shared_ptr<py::function> shared(const py::function& function) {
+  return {new py::function(function), [](py::function* of) {
+            const py::gil_scoped_acquire lock;
+            delete of;
+          }};
+}
+
+std::string plural(std::size_t n, const char* noun) { return std::to_string(n) + " " + noun + (n == 1 ? "" : "s"); }
+
+Watch::Watch(const py::object& progress) : progress_(progress), next_(std::chrono::steady_clock::now() + kPause) {}
+
+Watch::~Watch() {
+  try {
+    if (owns_ && bar_) bar_.attr("close")();
+  } catch (py::error_already_set& e) {
+    e.discard_as_unraisable("assur: progress");
+  }
+}
+
+void Watch::tell(std::int64_t done, std::int64_t of) {
+  if (progress_.is_none() || done == told_) return;
+  if (!bar_) {
+    owns_ = !py::hasattr(progress_, "update") || PyType_Check(progress_.ptr());
+    bar_ = owns_ ? progress_(py::arg("total") = of) : progress_;
+    if (!owns_ && py::hasattr(bar_, "total") && bar_.attr("total").is_none()) bar_.attr("total") = of;
+  }
+  bar_.attr("update")(done - told_);
+  told_ = done;
+}
+
+bool Watch::proceed(std::int64_t done, std::int64_t of) {
+  latest_ = done;
+  of_ = of;
+  const auto now = std::chrono::steady_clock::now();
+  if (now < next_) return true;
+  const py::gil_scoped_acquire lock;
+  try {
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+    tell(done, of);
+  } catch (py::error_already_set& e) {
+    if (e.matches(PyExc_KeyboardInterrupt)) {
+      interrupted_ = true;
+    } else {
+      thrown_ = std::current_exception();
+    }
+    return false;
+  }
+  next_ = std::chrono::steady_clock::now() + kPause;
+  return true;
+}
+
+void Watch::finish() {
+  if (thrown_) std::rethrow_exception(thrown_);
+  if (!interrupted_) tell(latest_, of_);
+}
+
+void raise_interrupted(const py::object& result) {
+  const py::object error = py::module_::import("assur._errors").attr("Interrupted")(result);
+  PyErr_SetObject(reinterpret_cast<PyObject*>(Py_TYPE(error.ptr())), error.ptr());
+  throw py::error_already_set();
+}
+
+}  // namespace assur::python
+
+PYBIND11_MODULE(_core, m) {
+  using namespace assur::python;  // NOLINT
+  m.doc() = "The compiled part of assur. Use the package assur.";
+  m.attr("__version__") = ASSUR_VERSION;
+  add_errors(m);
+  add_scenes(m);
+  add_builder(m);
+  add_plans(m);
+  add_simulators(m);
+  add_ensembles(m);
+  add_fleets(m);
+}

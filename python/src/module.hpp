@@ -1,0 +1,90 @@
+// Parts of the Python module assur._core.
+#pragma once
+
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <exception>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "assur/assur.hpp"
+
+namespace assur::python {
+
+namespace py = pybind11;
+
+// Numbers of an argument, contiguous; other types of numbers are converted.
+using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;
+
+void add_errors(py::module_& m);
+void add_scenes(py::module_& m);
+void add_builder(py::module_& m);
+void add_plans(py::module_& m);
+void add_simulators(py::module_& m);
+void add_ensembles(py::module_& m);
+void add_fleets(py::module_& m);
+
+// An array that shows memory of `owner`, which it keeps alive; not writable.
+py::array view(const double* data, std::vector<py::ssize_t> shape, py::handle owner);
+// One column of rows of `stride` numbers, likewise.
+py::array column_view(const double* data, std::vector<py::ssize_t> shape, std::vector<py::ssize_t> strides,
+                      py::handle owner);
+// Numbers of an argument, in rows of `columns`.
+std::vector<double> numbers(const Array& array);
+// A function of the program, which is released under the lock of the interpreter.
+std::shared_ptr<py::function> shared(const py::function& function);
+
+// Calls back into Python during long calls: progress, and Ctrl-C. Its functions are called without the lock of the
+// interpreter.
+class Watch {
+ public:
+  // progress: None; an object with update(n), as of tqdm; or a function that makes one of `total`.
+  explicit Watch(const py::object& progress);
+  ~Watch();
+  Watch(const Watch&) = delete;
+  Watch& operator=(const Watch&) = delete;
+
+  // At most every 50 ms, tells how much is done. False if Python wants to stop.
+  bool proceed(std::int64_t done, std::int64_t of);
+  // True if Ctrl-C stopped the call.
+  [[nodiscard]] bool interrupted() const { return interrupted_; }
+  // Throws what a function of the program threw.
+  void finish();
+
+ private:
+  void tell(std::int64_t done, std::int64_t of);
+
+  py::object progress_, bar_;
+  std::int64_t told_ = 0, latest_ = 0, of_ = 0;
+  std::chrono::steady_clock::time_point next_;
+  bool interrupted_ = false, owns_ = false;
+  std::exception_ptr thrown_;
+};
+
+// Calls run(observer) without the lock of the interpreter, and returns its result; `interrupted`: Ctrl-C stopped it.
+template <class Run>
+auto run_watched(const py::object& progress, bool& interrupted, const Run& run) {
+  Watch watch(progress);
+  auto result = [&] {
+    const py::gil_scoped_release release;
+    return run([&](std::int64_t done, std::int64_t of) { return watch.proceed(done, of); });
+  }();
+  watch.finish();
+  interrupted = watch.interrupted();
+  return result;
+}
+
+// Raises assur.Interrupted, whose `result` is this object.
+[[noreturn]] void raise_interrupted(const py::object& result);
+
+// The text of a call, for repr().
+std::string plural(std::size_t n, const char* noun);
+
+}  // namespace assur::python

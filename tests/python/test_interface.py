@@ -1,0 +1,89 @@
+"""Every public name has a docstring, and is used by a test; examples in the pages run."""
+
+import inspect
+import pathlib
+import re
+
+import pytest
+
+import assur
+
+ROOT = pathlib.Path(__file__).parents[2]
+TESTS = "".join(file.read_text() for file in pathlib.Path(__file__).parent.glob("*.py"))
+
+
+def public():
+    for name in assur.__all__:
+        if name.startswith("__"):
+            continue
+        item = getattr(assur, name)
+        yield name, item
+        if inspect.isclass(item):
+            for part in vars(item):
+                if not part.startswith("_"):
+                    yield name + "." + part, inspect.getattr_static(item, part)
+
+
+@pytest.mark.parametrize("name, item", public(), ids=lambda x: x if isinstance(x, str) else "")
+def test_documented_and_used(name, item):
+    doc = inspect.getdoc(item) or ""
+    text = re.sub(r"\A\w+\(.*$|^Overloaded function\.$|^\d+\. .*$", "", doc, flags=re.M).strip()
+    assert text, name + " has no docstring"
+    if not inspect.isclass(item):
+        assert re.search(r"\b" + name.split(".")[-1] + r"\b", TESTS), name + " is not used by a test"
+
+
+def pages():
+    return [page for page in [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))] if "```python\n" in page.read_text()]
+
+
+@pytest.mark.parametrize("page", pages(), ids=lambda page: page.name)
+def test_examples_run(page, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    names = {}
+    for block in re.findall(r"^```python\n(.*?)^```", page.read_text(), flags=re.M | re.S):
+        exec(compile(block, page.name, "exec"), names)
+
+
+def test_stubs_name_everything():
+    """Each public name of the module is in its stub, and the other way around."""
+    import ast
+
+    import assur._core
+
+    tree = ast.parse((ROOT / "python/assur/_core.pyi").read_text())
+    stubs = {node.name: node for node in tree.body if isinstance(node, (ast.ClassDef, ast.FunctionDef))}
+    module = {name for name in vars(assur._core) if not name.startswith("_")}
+    assert set(stubs) == module
+    for name in module:
+        item = getattr(assur._core, name)
+        if inspect.isclass(item):
+            parts = {part.name for part in stubs[name].body if isinstance(part, ast.FunctionDef)}
+            assert {p for p in parts if not p.startswith("_")} == {p for p in vars(item) if not p.startswith("_")}, name
+
+
+def test_mypy_accepts_a_typical_program(tmp_path, monkeypatch):
+    api = pytest.importorskip("mypy.api")
+    monkeypatch.setenv("MYPYPATH", str(pathlib.Path(assur.__file__).parents[1]))
+    program = tmp_path / "program.py"
+    program.write_text("""
+import numpy
+from numpy.typing import NDArray
+
+import assur
+
+scene = assur.scene("stewart", omega=2).with_outputs("all")
+motion = assur.Simulator(assur.prepare(scene, threads=1)).run(numpy.linspace(0, 1, 11))
+x: float = float(motion["handle1"].max()) + motion.values[0, 0]
+ensemble = assur.Ensemble(scene, {"omega": [1, 2]})
+rows: NDArray[numpy.int64] = ensemble.run().rows
+joint = assur.LinkageJoint.ground(0, 0)
+paths, reached, status = assur.Fleet([[joint]]).run([0, 1])
+reveal = status[0].upper()
+""")
+    wrong = tmp_path / "wrong.py"
+    wrong.write_text("import assur\nassur.prepare(3)\n")
+    for file, expected in ((program, 0), (wrong, 1)):
+        options = ["--strict", "--follow-imports=silent", "--cache-dir", str(tmp_path / "cache")]
+        out, err, code = api.run([*options, str(file)])
+        assert code == expected, out + err

@@ -1,0 +1,88 @@
+import numpy
+import pytest
+
+import assur
+
+
+def test_an_ensemble_from_arrays(mechanism):
+    coupler = numpy.linspace(2.8, 3.2, 50)
+    ensemble = assur.Ensemble(mechanism, {"coupler": coupler, "D.x": 3.0}, threads=1)
+    motion = ensemble.run()
+    assert motion.values.shape == (50, 201, len(motion.columns)) and motion["C.x"].shape == (50, 201)
+    assert numpy.shares_memory(motion["C.x"], motion.values) and len(motion) == len(ensemble) == 50
+    assert (motion.rows == 201).all() and "C.x" in motion and motion.keys() == motion.columns and motion.t[-1] == 1
+    for i in (0, 17, 49):
+        alone = assur.run(mechanism.with_values(coupler=coupler[i]))
+        assert numpy.allclose(motion.values[i], alone.values, rtol=0, atol=1e-9)
+    assert ensemble.report.status.ok and ensemble.outcomes[0].status.ok and ensemble.names == ["coupler", "D.x"]
+    assert ensemble.outcomes[0].reached == 1 and ensemble.outcomes[0].cannot == "" and not ensemble.outcomes[0].alone
+    assert ensemble.outcomes[0].events == [] and "ok" in repr(ensemble.outcomes[0])
+    assert ensemble.prepared.name == "four_bar" and "50 members" in repr(ensemble) and "50 members" in repr(motion)
+    figures = ensemble.summarize(["C.x"])["C.x"]
+    assert numpy.array_equal(figures["maximum"], motion["C.x"].max(axis=1))
+    assert numpy.array_equal(figures["maximum_time"], motion.t[motion["C.x"].argmax(axis=1)])
+    assert set(figures) == {"minimum", "maximum", "minimum_time", "maximum_time", "mean", "last"}
+
+    ensemble.bind({"D.x": 3.1, "coupler": coupler[:3]})
+    again = ensemble.run([0, 0.5])
+    assert again.values.shape[:2] == (3, 2)
+    alone = assur.run(mechanism.with_values({"coupler": coupler[2], "D.x": 3.1}), [0, 0.5])
+    assert numpy.allclose(again.values[2], alone.values, rtol=0, atol=1e-9)
+
+
+def test_members_that_fail(mechanism):
+    ensemble = assur.Ensemble(mechanism, {"coupler": [3, 2.0, 0.1], "rocker": [2.5, 1.4, 0.1]})
+    motion = ensemble.run()
+    assert ensemble.outcomes[1].status.code == "limit_reached" and ensemble.outcomes[2].cannot
+    assert 0 < motion.rows[1] < 201 and motion.rows[2] == 0
+    assert numpy.isnan(motion["C.x"][1, motion.rows[1] :]).all() and numpy.isnan(motion["C.x"][2]).all()
+
+
+def test_wrong_tables(mechanism):
+    for values, what in [({}, "at least one"), ({"a": [1, 2], "b": [1, 2, 3]}, "3 values"), ({"q": [1]}, "q"),
+                         ({"coupler": [[1, 2]]}, "one number")]:
+        with pytest.raises(assur.InputError, match=what):
+            assur.Ensemble(mechanism, values)
+    with pytest.raises(assur.InputError, match="names"):
+        assur.Ensemble(mechanism, {"coupler": [3]}).bind({"crank": [1]})
+    with pytest.raises(assur.InputError, match="C.q"):
+        assur.Ensemble(mechanism, {"coupler": [3]}).run()["C.q"]
+
+
+def test_tables_of_other_packages(mechanism):
+    motion = assur.Ensemble(mechanism, {"coupler": [2.9, 3.0]}).run()
+    pytest.importorskip("pandas")
+    assert motion.to_pandas().loc[(1, 1.0), "C.x"] == motion["C.x"][1, -1]
+    pytest.importorskip("xarray")
+    assert motion.to_xarray().dims == ("member", "t", "column")
+
+
+def test_fleets():
+    joint = assur.LinkageJoint
+    linkages = [
+        [joint.ground(0, 0), joint.crank(0, 1, 0, 2 * numpy.pi), joint.ground(3, 0), joint.dyad(1, 2, b, 2.5, True),
+         joint.point(1, 3, 0.5, 0.4)]
+        for b in (2.5, 3, 9)
+    ]
+    linkages.append(linkages[1][:4] + [joint.ground(0.5, 5), joint.triad(1, 2.8, 0, 2.5), joint.triad(3, 2, 3.5, 4),
+                                       joint.triad(4, 2, 1, 4)])
+    fleet = assur.Fleet(linkages)
+    times = numpy.linspace(0, 1, 101)
+    paths, reached, status = fleet.run(times, threads=2, accuracy=1e-6)
+    assert paths.shape == (4, 101, 2) and status[1] == "ok" and status[2] == "not_converged" and reached[1] == 1
+    assert numpy.isnan(paths[2]).all() and len(fleet) == 4 and repr(fleet) == "Fleet(4 linkages)"
+    assert "dyad" in repr(linkages[0][3])
+    with pytest.raises(assur.InputError, match="linkage 0"):
+        assur.Fleet([[joint.crank(0, 1, 0, 1)]])
+
+
+def test_distances():
+    t = numpy.linspace(0, 2 * numpy.pi, 200, endpoint=False)
+    ellipse = numpy.stack([2 * numpy.cos(t), numpy.sin(t)], axis=1)
+    moved = ellipse @ [[0, 3], [-3, 0]] + [5, 6]
+    assert assur.timed_distance(ellipse, ellipse + [3, 4]) == pytest.approx(5)
+    assert assur.nearest_distance(ellipse, numpy.roll(ellipse, 7, axis=0)) == pytest.approx(0, abs=1e-12)
+    assert assur.fitted_distance(ellipse, moved) == pytest.approx(0, abs=1e-12)
+    assert assur.shape_distance(ellipse, moved) == pytest.approx(0, abs=1e-12)
+    with pytest.raises(assur.InputError, match="points, 2"):
+        assur.timed_distance([1, 2], ellipse)

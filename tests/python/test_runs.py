@@ -1,0 +1,193 @@
+import gc
+import os
+import resource
+import signal
+import threading
+
+import numpy
+import pytest
+
+import assur
+
+
+def test_prepare_and_plans(tmp_path, mechanism):
+    prepared = assur.prepare(mechanism, strategy="groups/eigen", threads=1, controlled=["motor"])
+    assert prepared.strategies[0].startswith("groups/eigen") and len(prepared.reasons) == len(prepared.strategies)
+    assert prepared.groups and prepared.threads == 1 and prepared.lanes >= 1 and prepared.controlled == ["motor"]
+    assert prepared.name == prepared.scene.name == "four_bar" and prepared.time == mechanism.time
+    assert "groups/eigen" in repr(prepared)
+    prepared.save(tmp_path / "plan")
+    loaded = assur.load_plan(tmp_path / "plan")
+    assert loaded.scene is None
+    assert numpy.array_equal(assur.Simulator(loaded).run().values, assur.Simulator(prepared).run().values)
+    with pytest.raises(assur.InputError, match="backend"):
+        assur.prepare(mechanism, strategy="groups/abacus")
+    with pytest.raises(assur.InputError, match="throughput"):
+        assur.prepare(mechanism, mode="fast")
+    with pytest.raises(assur.InputError, match="options"):
+        assur.run(prepared, strategy="groups/eigen")
+    assert "eigen" in assur.backends() and assur.this_machine().threads >= 1
+    machine = assur.this_machine()
+    assert "thread" in repr(machine) and machine.cores and machine.source and isinstance(machine.model, str)
+    assert machine.instructions and assur.__version__.count(".") == 2
+
+
+def test_numerical_errors():
+    apart = assur.SceneBuilder("apart", 2).point("A", (0, 0), fixed=True).point("D", (9, 0), fixed=True)
+    apart.point("B", (1, 0)).point("C", (2, 2)).distance("crank", "A", "B", 1).distance("coupler", "B", "C", 1)
+    apart.distance("rocker", "D", "C", 1).drive_angle("motor", "A", "B", [0, 1]).time(0, 1, 0.1)
+    with pytest.raises(assur.NumericalError) as refusal:
+        assur.prepare(apart.build())
+    assert isinstance(refusal.value, ArithmeticError)
+
+
+def test_arrays_show_the_memory_of_the_motion(mechanism):
+    motion = assur.run(mechanism)
+    assert len(motion) == 201 and motion.values.shape == (201, len(motion.columns)) and motion.t.shape == (201,)
+    x = motion["C.x"]
+    assert numpy.shares_memory(x, motion.values) and numpy.array_equal(x, motion.values[:, motion.columns.index("C.x")])
+    assert motion.values.__array_interface__["data"][0] == motion.values.__array_interface__["data"][0]
+    assert "C.x" in motion and "C.q" not in motion and motion.keys() == motion.columns
+    with pytest.raises(ValueError):
+        x[0] = 1
+    copy = x.copy()
+    del motion
+    gc.collect()
+    assert numpy.array_equal(x, copy)
+    with pytest.raises(assur.InputError, match="C.x"):
+        assur.run(mechanism)["C.q"]
+
+
+def test_times_and_reports(tmp_path, mechanism):
+    simulator = assur.Simulator(assur.prepare(mechanism))
+    motion = simulator.run([0, 0.1, 0.7])
+    assert list(motion.t) == [0, 0.1, 0.7] and simulator.time == 0.7
+    report = simulator.report
+    assert report.status.ok and report.status == "ok" and report.reached == 0.7 and report.events == []
+    assert report.counters["steps"] > 0 and report.residuals["position"] < 1e-12
+    assert report.estimated_errors["position"] < 1e-9 and report.fallbacks == [] and report.dropped_events == 0
+    assert repr(report).startswith("Report(Status('ok')") and "3 rows" in repr(motion) and "four_bar" in repr(simulator)
+    motion.write_csv(str(tmp_path / "motion.csv"))
+    assert numpy.genfromtxt(tmp_path / "motion.csv", delimiter=",", names=True)["Cx"][-1] == motion["C.x"][-1]
+    with pytest.raises(assur.InputError):
+        simulator.run([1, 0])
+
+
+def test_a_limit_ends_the_motion(mechanism):
+    simulator = assur.Simulator(mechanism.with_values(rocker=1.4, coupler=2.0))
+    motion = simulator.run()
+    status = simulator.report.status
+    assert status.code == "limit_reached" and not status.ok and not status and not status.arrived
+    assert len(motion) < 201 and "limit_reached" in repr(status) and status.figure >= 0 and status.index >= -1
+    event = simulator.report.events[-1]
+    assert event.kind == "limit_reached" and event.time <= event.until and event.group in repr(event)
+    assert isinstance(event.detail, str) and isinstance(event.unit, str) and event.figure == event.figure
+
+
+def test_a_control_loop(mechanism):
+    prepared = assur.prepare(mechanism, controlled=["motor"])
+    by_name, by_handle = assur.Simulator(prepared), assur.Simulator(prepared)
+    motor, x = by_handle.driver("motor"), by_handle.index("C.x")
+    outputs = by_handle.outputs
+    for k in range(1, 20):
+        by_name.set("motor", 0.03 * k, rate=3.0)
+        by_handle.set(motor, 0.03 * k, 3.0)
+        assert by_name.step() and by_handle.step().ok
+        assert by_name.output("C.x") == by_handle.output(x) == outputs[x]
+    assert by_handle.columns[0] == "C.x"
+    state = by_handle.save()
+    assert state.time == by_handle.time
+    by_handle.set(motor, 0.6)
+    by_handle.step()
+    after = by_handle.output(x)
+    by_handle.restore(state)
+    assert by_handle.time == state.time and by_handle.output(x) != after
+    by_handle.reset()
+    assert by_handle.time == 0 and by_handle.prepared.name == "four_bar"
+    assert by_handle.step(0.5).arrived and by_handle.time == 0.5
+    with pytest.raises(assur.InputError, match="motor"):
+        by_name.driver("moter")
+    with pytest.raises(assur.InputError, match="handle"):
+        assur.Simulator(assur.prepare(mechanism)).set(motor, 1)
+    with pytest.raises(IndexError):
+        by_name.output(99)
+
+
+def test_long_calls_let_other_threads_go_on():
+    prepared = assur.prepare(assur.scene("stewart"), threads=1)
+    simulators = [assur.Simulator(prepared) for _ in range(4)]
+    motions = [None] * 4
+
+    def work(i):
+        motions[i] = simulators[i].run(numpy.linspace(0, 1, 20000))
+
+    threads = [threading.Thread(target=work, args=(i,)) for i in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert all(numpy.array_equal(m.values, motions[0].values) for m in motions)
+
+
+def test_ctrl_c_keeps_what_is_done():
+    simulator = assur.Simulator(assur.prepare(assur.scene("stewart"), threads=1))
+    threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+    with pytest.raises(KeyboardInterrupt) as stopped:
+        simulator.run(numpy.linspace(0, 1, 3000000))
+    motion = stopped.value.result
+    assert isinstance(stopped.value, assur.Interrupted) and 0 < len(motion) < 3000000
+    assert simulator.report.status.code == "interrupted" and not numpy.isnan(motion.values).any()
+
+
+class Bar:
+    """The protocol of tqdm."""
+
+    def __init__(self, total=None):
+        self.total, self.done, self.closed = total, 0, False
+        Bar.latest = self
+
+    def update(self, n):
+        self.done += n
+
+    def close(self):
+        self.closed = True
+
+
+def test_progress(mechanism):
+    simulator = assur.Simulator(assur.prepare(mechanism))
+    simulator.run(progress=Bar)
+    assert Bar.latest.done == Bar.latest.total == 201 and Bar.latest.closed
+    own = Bar()
+    simulator.run(progress=own)
+    assert own.done == own.total == 201 and not own.closed
+
+    class Bad(Bar):
+        def update(self, n):
+            raise RuntimeError("no bar")
+
+    with pytest.raises(RuntimeError, match="no bar"):
+        simulator.run(progress=Bad)
+    tqdm = pytest.importorskip("tqdm")
+    simulator.run(progress=tqdm.tqdm)
+
+
+def test_memory_stays_flat(mechanism):
+    prepared = assur.prepare(mechanism)
+    for _ in range(1000):
+        assur.Simulator(prepared).run([0, 0.1])
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    for _ in range(10000):
+        assur.Simulator(prepared).run([0, 0.1])
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 2000  # kB
+
+
+def test_other_packages(mechanism):
+    motion = assur.run(mechanism)
+    pandas = pytest.importorskip("pandas")
+    frame = motion.to_pandas()
+    assert isinstance(frame, pandas.DataFrame) and frame["C.x"].iloc[-1] == motion["C.x"][-1]
+    assert frame.index.name == "t" and assur.to_pandas(motion).equals(frame)
+    pytest.importorskip("xarray")
+    array = motion.to_xarray()
+    assert array.sel(column="C.x")[-1] == motion["C.x"][-1] and numpy.shares_memory(array.values, motion.values)
+    assert assur.to_xarray(motion).dims == ("t", "column")
