@@ -1,11 +1,13 @@
 #include "module.hpp"
 
+#include <algorithm>
 #include <exception>
 
 namespace assur::python {
 namespace {
 
-constexpr auto kPause = std::chrono::milliseconds(50);
+constexpr auto kPause = std::chrono::milliseconds(50);  // between two calls of Python
+constexpr int kMostSkipped = 255;
 
 }  // namespace
 
@@ -33,7 +35,8 @@ std::shared_ptr<py::function> shared(const py::function& function) {
 
 std::string plural(std::size_t n, const char* noun) { return std::to_string(n) + " " + noun + (n == 1 ? "" : "s"); }
 
-Watch::Watch(const py::object& progress) : progress_(progress), next_(std::chrono::steady_clock::now() + kPause) {}
+Watch::Watch(const py::object& progress)
+    : progress_(progress), asked_(std::chrono::steady_clock::now()), looked_(asked_) {}
 
 Watch::~Watch() {
   try {
@@ -57,8 +60,13 @@ void Watch::tell(std::int64_t done, std::int64_t of) {
 bool Watch::proceed(std::int64_t done, std::int64_t of) {
   latest_ = done;
   of_ = of;
+  if (skipped_++ < to_skip_) return true;
+  skipped_ = 0;
+  // A look at the clock about every millisecond: it takes as long as a short step.
   const auto now = std::chrono::steady_clock::now();
-  if (now < next_) return true;
+  to_skip_ = now - looked_ < std::chrono::milliseconds(1) ? std::min(2 * to_skip_ + 1, kMostSkipped) : to_skip_ / 2;
+  looked_ = now;
+  if (now - asked_ < kPause) return true;
   const py::gil_scoped_acquire lock;
   try {
     if (PyErr_CheckSignals() != 0) throw py::error_already_set();
@@ -71,7 +79,7 @@ bool Watch::proceed(std::int64_t done, std::int64_t of) {
     }
     return false;
   }
-  next_ = std::chrono::steady_clock::now() + kPause;
+  asked_ = looked_ = std::chrono::steady_clock::now();
   return true;
 }
 

@@ -63,7 +63,8 @@ class Watch {
 
   py::object progress_, bar_;
   std::int64_t told_ = 0, latest_ = 0, of_ = 0;
-  std::chrono::steady_clock::time_point next_;
+  std::chrono::steady_clock::time_point asked_, looked_;  // when Python was called, when the clock was read
+  int skipped_ = 0, to_skip_ = 0;                         // calls without a look at the clock
   bool interrupted_ = false, owns_ = false;
   std::exception_ptr thrown_;
 };

@@ -25,6 +25,12 @@ StepLimits limits_of(int iterations, int most_iterations, double seconds, const 
   return out;
 }
 
+// Success is one object: making another one takes as long as a short step.
+py::object status_of(const Status& status) {
+  static const auto* const kOk = new py::object(py::cast(Status()));
+  return status.ok() && status.figure == 0 ? *kOk : py::cast(status);
+}
+
 std::size_t check_index(const Simulator& s, std::size_t column) {
   if (column < s.columns().size()) return column;
   throw py::index_error("there are " + plural(s.columns().size(), "output") + ", and no number " +
@@ -98,9 +104,11 @@ iterations: a fixed number of Newton iterations (0: until they converge). most_i
 more. seconds: time limit of one step; 0: none. pin_to: processors for the threads.)")
       .def_property_readonly("time", &Simulator::time, "Time of the current posture, s.")
       .def(
-          "step", [](Simulator& s, std::optional<double> t) { return t ? s.step(*t) : s.step(); },
-          py::arg("t") = py::none(),
-          R"(Moves by one step of the time grid to the targets that were set, or to the time t (s).
+          "step", [](Simulator& s) { return status_of(s.step()); },
+          "Moves by one step of the time grid to the targets that were set.")
+      .def(
+          "step", [](Simulator& s, double t) { return status_of(s.step(t)); }, py::arg("t"),
+          R"(Moves to the time t (s).
 
 Returns a Status, which is true if the time was reached. If it fails, step() returns to the state before it, and step(t)
 stays at the last good posture.)")
