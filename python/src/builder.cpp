@@ -1,7 +1,5 @@
 // SceneBuilder: one method for each kind of part.
 #include <pybind11/functional.h>
-#include <pybind11/stl.h>
-
 #include "module.hpp"
 
 namespace assur::python {

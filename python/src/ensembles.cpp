@@ -1,5 +1,5 @@
 // Ensembles: many variants at once.
-#include <pybind11/stl.h>
+#include <algorithm>
 
 #include "module.hpp"
 
@@ -107,8 +107,8 @@ result: nothing is copied, and they cannot be written.)")
               throw Error(Error::Kind::input, "there is no column '" + column + "'; see the attribute columns");
             }
             const py::ssize_t number = sizeof(double), row = size(e.columns().size()) * number;
-            return column_view(e.values().data() + (at - e.columns().begin()),
-                               {size(e.members()), size(e.times().size())}, {row * size(e.times().size()), row}, self);
+            return view(e.values().data() + (at - e.columns().begin()), {size(e.members()), size(e.times().size())},
+                        self, {row * size(e.times().size()), row});
           },
           py::arg("column"), "One output of all members: an array of (members, times).")
       .def("__len__", &EnsembleTrajectory::members)

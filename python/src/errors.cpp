@@ -1,6 +1,4 @@
 // Exceptions, statuses and reports.
-#include <pybind11/stl.h>
-
 #include "module.hpp"
 
 namespace assur::python {

@@ -1,6 +1,4 @@
 // Fleets of linkages, and distances between curves.
-#include <pybind11/stl.h>
-
 #include "module.hpp"
 
 namespace assur::python {

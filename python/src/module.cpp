@@ -11,14 +11,8 @@ constexpr int kMostSkipped = 255;
 
 }  // namespace
 
-py::array view(const double* data, std::vector<py::ssize_t> shape, py::handle owner) {
-  py::array_t<double> out(std::move(shape), data, owner);
-  out.attr("setflags")(py::arg("write") = false);
-  return out;
-}
-
-py::array column_view(const double* data, std::vector<py::ssize_t> shape, std::vector<py::ssize_t> strides,
-                      py::handle owner) {
+py::array view(const double* data, std::vector<py::ssize_t> shape, py::handle owner, std::vector<py::ssize_t> strides) {
+  if (strides.empty()) strides = py::detail::c_strides(shape, sizeof(double));
   py::array_t<double> out(std::move(shape), std::move(strides), data, owner);
   out.attr("setflags")(py::arg("write") = false);
   return out;
@@ -33,7 +27,10 @@ std::shared_ptr<py::function> shared(const py::function& function) {
           }};
 }
 
-std::string plural(std::size_t n, const char* noun) { return std::to_string(n) + " " + noun + (n == 1 ? "" : "s"); }
+std::string plural(std::size_t n, std::string noun) {
+  if (n != 1 && noun.ends_with('y')) noun.replace(noun.size() - 1, 1, "ie");
+  return std::to_string(n) + " " + noun + (n == 1 ? "" : noun.ends_with('s') ? "es" : "s");
+}
 
 Watch::Watch(const py::object& progress)
     : progress_(progress), asked_(std::chrono::steady_clock::now()), looked_(asked_) {}

@@ -31,17 +31,15 @@ void add_simulators(py::module_& m);
 void add_ensembles(py::module_& m);
 void add_fleets(py::module_& m);
 
-// An array that shows memory of `owner`, which it keeps alive; not writable.
-py::array view(const double* data, std::vector<py::ssize_t> shape, py::handle owner);
-// One column of rows of `stride` numbers, likewise.
-py::array column_view(const double* data, std::vector<py::ssize_t> shape, std::vector<py::ssize_t> strides,
-                      py::handle owner);
-// Numbers of an argument, in rows of `columns`.
+// An array that shows memory of `owner`, which it keeps alive; not writable. strides: bytes; empty: contiguous.
+py::array view(const double* data, std::vector<py::ssize_t> shape, py::handle owner,
+               std::vector<py::ssize_t> strides = {});
+// The numbers of an array, row after row.
 std::vector<double> numbers(const Array& array);
 // A function of the program, which is released under the lock of the interpreter.
 std::shared_ptr<py::function> shared(const py::function& function);
 
-// Calls back into Python during long calls: progress, and Ctrl-C. Its functions are called without the lock of the
+// Calls back into Python during long calls: progress, and Ctrl-C. Only proceed() is called without the lock of the
 // interpreter.
 class Watch {
  public:
@@ -85,7 +83,7 @@ auto run_watched(const py::object& progress, bool& interrupted, const Run& run) 
 // Raises assur.Interrupted, whose `result` is this object.
 [[noreturn]] void raise_interrupted(const py::object& result);
 
-// The text of a call, for repr().
-std::string plural(std::size_t n, const char* noun);
+// "1 row", "2 rows", "2 bodies", "2 classes"
+std::string plural(std::size_t n, std::string noun);
 
 }  // namespace assur::python

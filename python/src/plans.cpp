@@ -1,9 +1,7 @@
 // Preparation, plans and the machine.
-#include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
 #include <fstream>
-#include <sstream>
 
 #include "module.hpp"
 

@@ -1,6 +1,5 @@
 // Scenes and laws.
 #include <pybind11/functional.h>
-#include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
 #include <filesystem>

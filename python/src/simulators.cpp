@@ -1,8 +1,6 @@
 // Simulators and trajectories.
-#include <pybind11/stl.h>
-
+#include <algorithm>
 #include <fstream>
-#include <sstream>
 
 #include "module.hpp"
 
@@ -13,7 +11,7 @@ namespace {
 py::array column_of(const py::object& self, const std::string& column) {
   const auto& t = self.cast<const Trajectory&>();
   const auto width = static_cast<py::ssize_t>(t.columns().size() * sizeof(double));
-  return column_view(t.values().data() + t.index(column), {static_cast<py::ssize_t>(t.rows())}, {width}, self);
+  return view(t.values().data() + t.index(column), {static_cast<py::ssize_t>(t.rows())}, self, {width});
 }
 
 StepLimits limits_of(int iterations, int most_iterations, double seconds, const std::vector<int>& pin_to) {

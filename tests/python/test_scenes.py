@@ -11,7 +11,7 @@ from conftest import four_bar
 def test_samples_and_parameters():
     scene = assur.scene("stewart:legs=8", omega=2)
     assert "omega" in scene.parameters and scene.dimension == 3
-    assert repr(scene).startswith("Scene('stewart")
+    assert repr(scene).startswith("Scene('stewart") and "1 body," in repr(scene) and "bodys" not in repr(scene)
     assert assur.sample("four_bar:3").dimension == 2
     with pytest.raises(assur.InputError) as refusal:
         assur.scene("stewart", omeja=2)
@@ -64,7 +64,10 @@ def test_laws():
                           [1 + 2 * math.sin(angle), 2 * math.pi * math.cos(angle), -2 * math.pi**2 * math.sin(angle)])
     t = numpy.linspace(0, 1, 50)
     assert abs(assur.Law.table(t, numpy.sin(t))(0.5)[1] - math.cos(0.5)) < 1e-5
-    assert assur.Law.table(t, numpy.sin(2 * math.pi * t) + 1e-20, periodic=False)(2)[0] != 0  # NaN beyond the table
+    assert math.isnan(assur.Law.table(t, numpy.sin(t))(2)[0])
+    turn = numpy.sin(2 * math.pi * t)
+    turn[-1] = turn[0]
+    assert abs(assur.Law.table(t, turn, periodic=True)(2.25)[0] - 1) < 1e-5
     assert (assur.Law(1) + assur.Law([0, 1]))(2) == (3, 1, 0)
     assert "2 parts" in repr(assur.Law(1) + assur.Law([0, 1]))
     with pytest.raises(assur.InputError):
