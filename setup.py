@@ -26,7 +26,7 @@ class CMakeBuild(build_ext):
 
 
 setup(
-    version=re.search(r"project\(assur VERSION (\S+)", (ROOT / "CMakeLists.txt").read_text()).group(1),
+    version=re.search(r'ASSUR_VERSION "(.*)"', (ROOT / "include/assur/version.hpp").read_text()).group(1),
     ext_modules=[Extension("assur._core", [])],
     cmdclass={"build_ext": CMakeBuild},
 )

@@ -1,4 +1,4 @@
-"""Calls from Python against the same calls in C++, interleaved.
+"""Calls from Python and C against the same calls in C++, interleaved.
 
 Usage: callers.py CALLERS_BENCH FOLDER_OF_THE_PACKAGE [ROUNDS [STEPS [MEMBERS]]]
 """
@@ -64,15 +64,16 @@ def compiled(*arguments):
     return tuple(float(word) for word in text.split())
 
 
-def compare(name, unit, here, there):
+def compare(name, unit, here, there, language="Python"):
     pairs = [(here(), there()) for _ in range(ROUNDS)]
     assert all(a[1] == b[1] for a, b in pairs), "the numbers differ"
     mine, theirs = ([p[i][0] for p in pairs] for i in (0, 1))
-    print(f"{name}: Python {statistics.median(mine):.4g} {unit} ({min(mine):.4g} to {max(mine):.4g}), "
+    print(f"{name}: {language} {statistics.median(mine):.4g} {unit} ({min(mine):.4g} to {max(mine):.4g}), "
           f"C++ {statistics.median(theirs):.4g} ({min(theirs):.4g} to {max(theirs):.4g}); "
           f"median of the differences {statistics.median(a[0] - b[0] for a, b in pairs):.4g} {unit}, "
-          f"of the ratios C++ / Python {statistics.median(b[0] / a[0] for a, b in pairs):.3f}")
+          f"of the ratios C++ / {language} {statistics.median(b[0] / a[0] for a, b in pairs):.3f}")
 
 
 compare("set, step, output", "ns", loop, lambda: compiled("loop", STEPS))
+compare("set, step, output", "ns", lambda: compiled("c", STEPS), lambda: compiled("loop", STEPS), "C")
 compare(f"{MEMBERS} four-bars, bound and run", "s", ensemble, lambda: compiled("ensemble", MEMBERS))

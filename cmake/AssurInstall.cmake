@@ -12,7 +12,7 @@ list(REMOVE_DUPLICATES ASSUR_LIBRARIES)
 list(JOIN ASSUR_LIBRARIES " " ASSUR_LIBRARIES)
 
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/assur)
-install(TARGETS assur_core EXPORT assurCoreTargets FILE_SET HEADERS)
+install(TARGETS assur_core EXPORT assurCoreTargets FILE_SET HEADERS FILE_SET eigen)
 install(TARGETS assur EXPORT assurTargets)
 install(TARGETS assur_command)
 install(EXPORT assurCoreTargets NAMESPACE assur:: DESTINATION ${package_folder})

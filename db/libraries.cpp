@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "assur/backend.hpp"
+#include "assur/version.hpp"
 #include "backends/backends.hpp"
 
 namespace assur::db {

@@ -59,4 +59,45 @@ std::string_view name(Code code) noexcept {
   return "unknown";
 }
 
+std::string_view explanation(Code code) noexcept {
+  switch (code) {
+    case Code::ok:
+      return "done";
+    case Code::singular:
+      return "the equations are singular";
+    case Code::not_finite:
+      return "a value is not finite";
+    case Code::not_converged:
+      return "Newton's method did not converge";
+    case Code::limit_reached:
+      return "the mechanism cannot move further";
+    case Code::change_point_passed:
+      return "two branches cross; the smooth continuation was taken";
+    case Code::inaccurate:
+      return "the estimated error exceeds the required accuracy";
+    case Code::branch_unknown:
+      return "it could not be decided which branch continues the motion; if a row lies at or very near a posture in "
+             "which branches cross, choose another step or start time";
+    case Code::inconsistent:
+      return "a redundant equation is no longer satisfied";
+    case Code::out_of_range:
+      return "a time lies outside the table of a law";
+    case Code::actuator_zero:
+      return "a driven distance, or the lever of a driven angle, has reached zero";
+    case Code::deadline:
+      return "the step did not finish within its time limit";
+    case Code::interrupted:
+      return "interrupted";
+    case Code::stop_reached:
+      return "a limit of the scene ends the motion";
+    case Code::limit_exceeded:
+      return "the quantity leaves its limit";
+    case Code::within_limits:
+      return "the quantity returns into its limit";
+    case Code::wrong_function:
+      return "the derivatives of a law or callback of the program do not match its values";
+  }
+  return "unknown";
+}
+
 }  // namespace assur

@@ -26,7 +26,7 @@ endmacro()
 
 check_order(${TUNER} measure output sweep pictures check tuning report commands enough_memory.cpp main.cpp)
 check_order(${LIB} parallel scene mjcf structure equations backends planning modes signals group path errors
-            side_by_side simulation fleet db)
+            side_by_side simulation fleet c db)
 
 file(READ ${LIB}/CMakeLists.txt listed)
 foreach(file IN LISTS files)

@@ -7,6 +7,7 @@
 #include "assur/curve.hpp"         // IWYU pragma: export
 #include "assur/ensemble.hpp"      // IWYU pragma: export
 #include "assur/fleet.hpp"         // IWYU pragma: export
+#include "assur/jacobian.hpp"      // IWYU pragma: export
 #include "assur/law.hpp"           // IWYU pragma: export
 #include "assur/machine.hpp"       // IWYU pragma: export
 #include "assur/mjcf.hpp"          // IWYU pragma: export
@@ -14,10 +15,13 @@
 #include "assur/motion_range.hpp"  // IWYU pragma: export
 #include "assur/performance.hpp"
 #include "assur/plan.hpp"        // IWYU pragma: export
+#include "assur/print.hpp"       // IWYU pragma: export
 #include "assur/report.hpp"      // IWYU pragma: export
+#include "assur/rows.hpp"        // IWYU pragma: export
 #include "assur/saved_plan.hpp"  // IWYU pragma: export
 #include "assur/scene.hpp"       // IWYU pragma: export
 #include "assur/simulator.hpp"   // IWYU pragma: export
 #include "assur/status.hpp"      // IWYU pragma: export
 #include "assur/strategy.hpp"    // IWYU pragma: export
 #include "assur/structure.hpp"   // IWYU pragma: export
+#include "assur/version.hpp"     // IWYU pragma: export

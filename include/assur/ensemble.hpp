@@ -13,6 +13,7 @@
 
 #include "assur/plan.hpp"
 #include "assur/report.hpp"
+#include "assur/rows.hpp"
 #include "assur/simulator.hpp"
 
 namespace assur {
@@ -84,22 +85,6 @@ class EnsembleSummary {
   std::vector<std::size_t> rows_;
   std::vector<ColumnSummary> values_;  // members x columns
 };
-
-// The rows of Ensemble::stream().
-struct RowSelection {
-  std::vector<std::string> columns = {};                        // empty: all
-  std::size_t every = 1;                                        // every n-th row, beginning with the first; at least 1
-  std::size_t block = std::numeric_limits<std::size_t>::max();  // most rows that are given at once; at least 1
-};
-
-// Rows of one member, in SI units.
-struct MemberRows {
-  std::size_t member = 0;          // counted from 0
-  std::span<const double> times;   // of the rows, s
-  std::span<const double> values;  // rows x columns
-};
-// Takes rows. They are valid within the call.
-using RowSink = std::function<void(const MemberRows& rows)>;
 
 // Writes a CSV with the columns `member` (counted from 1), `t` and all outputs. Each number is the shortest text that
 // reads back as the same double; NaN is empty. Rows that a member did not reach are left out. If writing
@@ -189,6 +174,8 @@ class Ensemble {
 
   // Number of members, including those that cannot start.
   [[nodiscard]] std::size_t members() const;
+  // Names of the outputs, as in EnsembleTrajectory::columns().
+  [[nodiscard]] const std::vector<std::string>& columns() const;
   [[nodiscard]] const Prepared& prepared() const;  // the first member that could be prepared; with one chunk
   // The last run: sums and largest errors of all members; before the first run it is empty. The status is that of the
   // first member that failed, else of the first inaccurate one; its place is that member. `reached` is the smallest of

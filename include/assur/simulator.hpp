@@ -13,9 +13,11 @@
 #include <string_view>
 #include <vector>
 
+#include "assur/jacobian.hpp"
 #include "assur/law.hpp"
 #include "assur/plan.hpp"
 #include "assur/report.hpp"
+#include "assur/rows.hpp"
 
 namespace assur {
 
@@ -40,6 +42,8 @@ class Trajectory {
   }
   // One output in the last row, by its name. Throws like index(), and Error (input) if the trajectory has no row.
   [[nodiscard]] double last(std::string_view column) const;
+  // A copy of one output over all rows, by its name. Throws like index().
+  [[nodiscard]] std::vector<double> column(std::string_view column) const;
   // All values: rows x columns.
   [[nodiscard]] const std::vector<double>& values() const { return values_; }
 
@@ -180,6 +184,8 @@ class Simulator {
   void set(DriverHandle driver, double value, double rate = 0, double acceleration = 0);
   // The handle of a controlled driver. Throws like set().
   [[nodiscard]] DriverHandle driver(std::string_view name) const;
+  // Names of the controlled drivers, and of each value of a controlled pose: those that set() takes.
+  [[nodiscard]] std::vector<std::string> drivers() const;
 
   // Moves from time() by TimeGrid::step to the targets that were set, also beyond the end of the grid; other drivers
   // follow their laws. Without a time grid it does nothing: it returns ok, and targets wait. A step that fails restores
@@ -226,6 +232,16 @@ class Simulator {
   // give equal rows, and no times give no rows. Throws also Error (input) if they descend or are not finite.
   Trajectory run(std::span<const double> times, const Observer& observer = {});
 
+  // Runs as run() does, and gives rows to `sink` instead of keeping them, so that the memory does not grow with the
+  // number of times: a block has at most 1,024 rows, or RowSelection::block if that is less. The run uses no chunks and
+  // is not divided into independent parts, else rows are those of run(), bit by bit. Returns the number of rows that
+  // were reached, including those that are not selected; report() has the status. Throws as run(), and Error (input)
+  // for an unknown column, an empty sink, or a number that is 0 in `selection`.
+  std::size_t stream(const RowSelection& selection, const RowSink& sink, const Observer& observer = {});
+  // The same over `times` (s).
+  std::size_t stream(const RowSelection& selection, const RowSink& sink, std::span<const double> times,
+                     const Observer& observer = {});
+
   // Returns to the assembled start posture, and clears the report and all targets of drivers.
   void reset();
 
@@ -242,6 +258,17 @@ class Simulator {
   // memory and takes the time of 20 to 80 steps of a small mechanism.
   [[nodiscard]] std::vector<GroupFigures> examine();
 
+  // The derivatives of the outputs with respect to the controlled drivers at the current posture: one factorisation of
+  // each group, and one solution for each driver. Allocates memory only in the first call, and again after other
+  // redundant equations were chosen.
+  [[nodiscard]] const OutputJacobian& jacobian();
+
+  // The derivatives of the equations at the current posture: of all groups in solving order, which gives a block lower
+  // triangular matrix; or of one group (index into Structure::groups). Parts that are left out or stand still have no
+  // rows and columns (docs/method.md). Allocates memory. Throws Error (input) for a wrong index.
+  [[nodiscard]] ConstraintJacobian constraint_jacobian() const;
+  [[nodiscard]] ConstraintJacobian constraint_jacobian(std::int32_t group) const;
+
   // Report since construction, reset() or the begin of run(). Each call updates effort, fallbacks and estimates, and
   // may allocate memory, because solvers that did extra work are described in words; a control loop uses the status
   // that step() returns. step() keeps the latest 500 to 1,000 events (Report::dropped_events).
@@ -251,6 +278,11 @@ class Simulator {
 
  private:
   Status go_to(double t);
+  template <class TimeOf, class Take>
+  std::size_t each_row(std::size_t count, const TimeOf& time_of, const Observer& observer, const Take& take);
+  template <class TimeOf>
+  std::size_t stream(const RowSelection& selection, const RowSink& sink, std::size_t count, const TimeOf& time_of,
+                     const Observer& observer);
   [[nodiscard]] bool run_in_parts(std::span<const double> times, Trajectory& out, std::string& refused);
   [[nodiscard]] bool run_in_chunks(std::span<const double> times, const Observer& observer, Trajectory& out);
   friend std::vector<double> posture_of(const Simulator& simulator);  // for use inside the library

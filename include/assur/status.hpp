@@ -65,6 +65,8 @@ enum class Code : std::uint8_t {
 
 // Name of a code as in the command's JSON, e.g. "limit_reached".
 [[nodiscard]] std::string_view name(Code code) noexcept;
+// The same for people, e.g. "the mechanism cannot move further".
+[[nodiscard]] std::string_view explanation(Code code) noexcept;
 
 // The object that a status is about.
 struct Place {
@@ -97,8 +99,8 @@ struct Place {
   friend constexpr bool operator==(const Place&, const Place&) = default;
 };
 
-// Outcome of a numerical operation, with the object and the figure that it is about. To print it: name(code), the
-// object by Structure::name_of() if it is a group, and the events of the report, which have the details.
+// Outcome of a numerical operation, with the object and the figure that it is about. print.hpp prints it; a group has
+// its name from Structure::name_of(), and the events of the report have the details.
 struct [[nodiscard]] Status {
   // The code lies in the padding of the place: functions return 16 bytes in registers.
   [[no_unique_address]] Place where;  // the object that failed, or whose error is the largest

@@ -101,6 +101,21 @@ bool ErrorProbe::perturb(Pack& pack, const double* const (&state)[3], Probes pro
                             {{0, acceleration, &work_.input_accelerations, 1}, {1, rate, &work_.input_rates, 2}});
 }
 
+bool ErrorProbe::follow(Pack& pack, const double* posture, std::span<double* const> changes) {
+  solver_.choose(pack);
+  work_.set_inputs(pack, posture);
+  work_.evaluate(posture + pack.unknowns);
+  solver_.new_jacobian();
+  if (!solver_.factorize(pack)) return false;
+  Counters outside_of_steps;
+  for (double* const change : changes) {
+    work_.gather(pack, change, work_.input_rates);
+    work_.evaluator->velocity_rhs(work_.input_rates.data(), work_.rhs.data());
+    if (!solver_.correction(pack, work_.rhs, change + pack.unknowns, true, outside_of_steps).ok()) return false;
+  }
+  return true;
+}
+
 GroupHealth ErrorProbe::examine(Pack& pack, const double* state) {
   solver_.choose(pack);
   work_.set_inputs(pack, state);

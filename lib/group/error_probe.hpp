@@ -42,6 +42,10 @@ class ErrorProbe {
   // cause of the probe; `seed` draws the random signs. False if the Jacobian is singular.
   [[nodiscard]] bool perturb(Pack& pack, const double* const (&state)[3], Probes probes, std::uint64_t seed);
 
+  // Computes the changes of the unknowns that follow from changes of the inputs, to first order. changes: arrays in the
+  // layout of the state. False if the Jacobian is singular.
+  [[nodiscard]] bool follow(Pack& pack, const double* posture, std::span<double* const> changes);
+
   // Residuals and conditions at a posture.
   [[nodiscard]] GroupHealth examine(Pack& pack, const double* state);
 

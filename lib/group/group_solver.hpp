@@ -66,6 +66,9 @@ class GroupSolver {
   [[nodiscard]] bool perturb(Pack& pack, const double* const (&state)[3], Probes probes, std::uint64_t seed) {
     return probe_.perturb(pack, state, probes, seed);
   }
+  [[nodiscard]] bool follow(Pack& pack, const double* posture, std::span<double* const> changes) {
+    return probe_.follow(pack, posture, changes);
+  }
   [[nodiscard]] GroupHealth examine(Pack& pack, const double* state) { return probe_.examine(pack, state); }
 
  private:

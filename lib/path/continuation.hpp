@@ -137,6 +137,7 @@ class Continuation {
   [[nodiscard]] std::span<Pack> packs() { return packs_; }
   [[nodiscard]] Levels& levels() { return levels_; }
   [[nodiscard]] Inputs& inputs() { return inputs_; }
+  [[nodiscard]] const Inputs& inputs() const { return inputs_; }
 
  private:
   static constexpr int kStepHalvings = 20;  // a step is halved down to 2^-20, then its failure is examined

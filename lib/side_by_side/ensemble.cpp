@@ -19,7 +19,6 @@
 #include "side_by_side/run_arguments.hpp"
 #include "side_by_side/tiles.hpp"
 #include "side_by_side/work_queue.hpp"
-#include "signals/columns.hpp"
 #include "structure/same_structure.hpp"
 
 namespace assur {
@@ -427,12 +426,6 @@ std::vector<double> times_of(const TimeGrid& grid) {
   return times;
 }
 
-std::vector<std::size_t> indices_of(const std::vector<std::string>& columns, const std::vector<std::string>& all) {
-  std::vector<std::size_t> indices;
-  for (const std::string& column : columns) indices.push_back(column_index(all, column));
-  return indices;
-}
-
 void check_begin(std::span<const double> times, const Prepared& prepared) {
   if (times.empty() || times[0] != prepared.time.start) {
     throw Error(Error::Kind::input, "the times of an ensemble must begin with time.start of its scene");
@@ -485,12 +478,7 @@ void Ensemble::stream(const RowSelection& selection, const RowSink& sink, const 
 void Ensemble::stream(const RowSelection& selection, const RowSink& sink, std::span<const double> times,
                       const Simulator::Observer& observer) {
   check_begin(times, *impl_->prepared);
-  if (!sink) throw Error(Error::Kind::input, "the sink of rows is empty");
-  if (selection.every < 1 || selection.block < 1) {
-    throw Error(Error::Kind::input, "RowSelection::every and RowSelection::block must be at least 1");
-  }
-  const std::vector<std::string>& columns = selection.columns.empty() ? impl_->columns : selection.columns;
-  const std::vector<std::size_t> indices = indices_of(columns, impl_->columns);
+  const std::vector<std::size_t> indices = selected(selection, sink, impl_->columns);
   std::vector<RowStream> streams;
   for (std::size_t i = 0; i < members(); ++i) streams.emplace_back(i, indices, selection, sink);
   std::vector<std::size_t> rows;
@@ -512,6 +500,7 @@ void Ensemble::bind(std::vector<double> values) {
   }
 }
 
+const std::vector<std::string>& Ensemble::columns() const { return impl_->columns; }
 std::size_t Ensemble::members() const { return impl_->cannot.size(); }
 const Prepared& Ensemble::prepared() const { return *impl_->prepared; }
 const Report& Ensemble::report() const { return impl_->report; }

@@ -4,8 +4,24 @@
 #include <cmath>
 
 #include "numbers.hpp"
+#include "signals/columns.hpp"
 
 namespace assur {
+
+std::vector<std::size_t> indices_of(const std::vector<std::string>& columns, const std::vector<std::string>& all) {
+  std::vector<std::size_t> indices;
+  for (const std::string& column : columns) indices.push_back(column_index(all, column));
+  return indices;
+}
+
+std::vector<std::size_t> selected(const RowSelection& selection, const RowSink& sink,
+                                  const std::vector<std::string>& all) {
+  if (!sink) throw Error(Error::Kind::input, "the sink of rows is empty");
+  if (selection.every < 1 || selection.block < 1) {
+    throw Error(Error::Kind::input, "RowSelection::every and RowSelection::block must be at least 1");
+  }
+  return indices_of(selection.columns.empty() ? all : selection.columns, all);
+}
 
 RowSummary::RowSummary(std::span<const std::size_t> columns, std::span<ColumnSummary> out)
     : columns_(columns), out_(out) {

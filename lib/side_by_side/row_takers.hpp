@@ -4,11 +4,19 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "assur/ensemble.hpp"
 
 namespace assur {
+
+// Indices of columns. Throws Error (input), with a list of the columns, for an unknown one.
+[[nodiscard]] std::vector<std::size_t> indices_of(const std::vector<std::string>& columns,
+                                                  const std::vector<std::string>& all);
+// The same for the selected columns. Throws Error (input) also for an empty sink, and for a number that is 0.
+[[nodiscard]] std::vector<std::size_t> selected(const RowSelection& selection, const RowSink& sink,
+                                                const std::vector<std::string>& all);
 
 class RowTaker {
  public:

@@ -169,6 +169,11 @@ void DriveProgram::replace(std::int32_t slot, const Motion& motion) {
   jets_[2][idx(slot)] = motion.acceleration * scale;
 }
 
+void DriveProgram::move_only(std::int32_t slot) {
+  for (std::size_t i = 0; i < laws_; ++i) jets_[1][i] = jets_[2][i] = 0;
+  jets_[1][idx(slot)] = scale_[idx(slot)];
+}
+
 void DriveProgram::place(double* const (&state)[3], std::size_t stride) {
   turn();
   double *const q = state[0], *const rate = state[1], *const acceleration = state[2];

@@ -33,6 +33,8 @@ class DriveProgram {
   // Evaluates all laws at time t.
   void evaluate(double t);
   void replace(std::int32_t slot, const Motion& motion);  // SI units
+  // Leaves the values of all laws, and lets this one alone change, by one SI unit per second.
+  void move_only(std::int32_t slot);
   // Values of the laws that are angles, unwrapped.
   [[nodiscard]] std::span<const double> angles() const { return {jets_[0].data(), angles_}; }
   // Writes the driven coordinates. state[d]: d-th derivative, indexed by coordinate * stride.

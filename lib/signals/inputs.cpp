@@ -112,6 +112,13 @@ Status Inputs::drive(double t, double* const (&state)[3]) {
   return {};
 }
 
+void Inputs::differentiate(std::size_t control, double* const (&state)[3]) {
+  const std::int32_t slot = controls_[control].slot;
+  if (slot < 0) return;  // nothing that is computed depends on it
+  program_.move_only(slot);
+  program_.place(state);
+}
+
 bool Inputs::follows_law(std::size_t input, std::size_t law) const {
   return program_.slot(input, static_cast<int>(law)) >= 0 &&
          std::none_of(controls_.begin(), controls_.end(), [&](const Control& c) {

@@ -40,6 +40,10 @@ class Inputs {
   // Writes the known coordinates at time t; state[d]: d-th derivative, indexed by coordinate.
   [[nodiscard]] Status drive(double t, double* const (&state)[3]);
 
+  // After drive(): sets the derivatives of the known coordinates by the value of a controlled driver, in SI units, as
+  // state[1].
+  void differentiate(std::size_t control, double* const (&state)[3]);
+
   // Driven distances among the evaluated drivers.
   [[nodiscard]] const std::vector<Lever>& levers() const { return levers_; }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -14,17 +15,21 @@
 #include "path/function_check.hpp"
 #include "side_by_side/chunks.hpp"
 #include "side_by_side/memory.hpp"
+#include "side_by_side/row_takers.hpp"
 #include "side_by_side/run_arguments.hpp"
 #include "side_by_side/run_in_parts.hpp"
 #include "signals/angle_turns.hpp"
 #include "signals/columns.hpp"
 #include "signals/output_program.hpp"
+#include "simulation/constraint_jacobian.hpp"
+#include "simulation/output_slopes.hpp"
 
 namespace assur {
 namespace {
 
 constexpr std::size_t kEventsReserved = 64;
-constexpr std::size_t kMostEvents = 1000;  // of single steps; then the older half is dropped
+constexpr std::size_t kMostRowsInBlock = 1024;  // of stream()
+constexpr std::size_t kMostEvents = 1000;       // of single steps; then the older half is dropped
 
 // On the long way to the starts of chunks, the step length that works hardly changes. Measured on stewart and four_bar
 // with patience from 2 to 16 and growth from 1.25 to 2: these need few attempts, and one in seven is rejected.
@@ -436,10 +441,11 @@ struct Simulator::Impl {
   bool in_one_piece = true;      // the posture was reached by a step that was not divided
   // Starts of the last steps that were divided or failed: at a posture with in_one_piece, and at one without.
   std::unique_ptr<Snapshot> inside, divided;
-  const Snapshot* began = nullptr;  // the snapshot before the current step, if that was divided
-  Effort earlier_effort;            // effort of solvers that ran the chunks or solved another set
-  ErrorFigures earlier_error;       // estimated errors of the chunks
-  std::size_t own_lines = 0;        // lines that report_effort() added at the end of report.fallbacks
+  const Snapshot* began = nullptr;       // the snapshot before the current step, if that was divided
+  Effort earlier_effort;                 // effort of solvers that ran the chunks or solved another set
+  ErrorFigures earlier_error;            // estimated errors of the chunks
+  std::unique_ptr<OutputSlopes> slopes;  // null before the first jacobian()
+  std::size_t own_lines = 0;             // lines that report_effort() added at the end of report.fallbacks
   std::int64_t reselections = 0;
   double first_reselection = 0;  // time
 };
@@ -610,21 +616,59 @@ Trajectory Simulator::run(std::span<const double> times, const Observer& observe
   out.times_.reserve(times.size());
   PagesAhead pages(out.values_);
   pages.reach(out.columns_.size());
-  const auto of = static_cast<std::int64_t>(times.size());
-  std::optional<Pinned> here;  // once, not at every step
-  if (!impl_->limits.pin_to.empty() && impl_->motion.levels().threads() > 1) here.emplace(impl_->limits.pin_to[0]);
-  for (const double t : times) {
-    if (!step_of_run(*this, t).arrived()) break;
-    out.times_.push_back(t);
-    pages.reach(out.values_.size() + impl_->row.size());
-    out.values_.insert(out.values_.end(), impl_->row.begin(), impl_->row.end());
-    if (observer && !observer(static_cast<std::int64_t>(out.times_.size()), of)) {
-      if (static_cast<std::int64_t>(out.times_.size()) < of) impl_->report.status = {Code::interrupted, {}, t};
-      break;
-    }
-  }
+  each_row(
+      times.size(), [&](std::size_t k) { return times[k]; }, observer,
+      [&](double t) {
+        out.times_.push_back(t);
+        pages.reach(out.values_.size() + impl_->row.size());
+        out.values_.insert(out.values_.end(), impl_->row.begin(), impl_->row.end());
+      });
   impl_->report.counters.stored_values = static_cast<std::int64_t>(out.values_.size());
   return out;
+}
+
+// Steps to the times, and calls take(t) after each step that arrived. Returns their number.
+template <class TimeOf, class Take>
+std::size_t Simulator::each_row(std::size_t count, const TimeOf& time_of, const Observer& observer, const Take& take) {
+  std::optional<Pinned> here;  // once, not at every step
+  if (!impl_->limits.pin_to.empty() && impl_->motion.levels().threads() > 1) here.emplace(impl_->limits.pin_to[0]);
+  for (std::size_t done = 0; done < count;) {
+    const double t = time_of(done);
+    if (!step_of_run(*this, t).arrived()) return done;
+    take(t);
+    ++done;
+    if (observer && !observer(static_cast<std::int64_t>(done), static_cast<std::int64_t>(count)) && done < count) {
+      impl_->report.status = {Code::interrupted, {}, t};
+      return done;
+    }
+  }
+  return count;
+}
+
+template <class TimeOf>
+std::size_t Simulator::stream(const RowSelection& selection, const RowSink& sink, std::size_t count,
+                              const TimeOf& time_of, const Observer& observer) {
+  const std::vector<std::size_t> columns = selected(selection, sink, impl_->columns);
+  RowSelection in_blocks = selection;
+  in_blocks.block = std::min(selection.block, kMostRowsInBlock);
+  RowStream rows(0, columns, in_blocks, sink);
+  reset();
+  const std::size_t reached = each_row(count, time_of, observer, [&](double t) { rows.take(t, impl_->row.data()); });
+  rows.finish();
+  return reached;
+}
+
+std::size_t Simulator::stream(const RowSelection& selection, const RowSink& sink, const Observer& observer) {
+  const TimeGrid grid = impl_->prepared.time;
+  const auto time_of = [&](std::size_t k) { return grid.time(static_cast<std::int64_t>(k)); };
+  return stream(selection, sink, static_cast<std::size_t>(grid.steps()) + 1, time_of, observer);
+}
+
+std::size_t Simulator::stream(const RowSelection& selection, const RowSink& sink, std::span<const double> times,
+                              const Observer& observer) {
+  check_times(times);
+  return stream(
+      selection, sink, times.size(), [&](std::size_t k) { return times[k]; }, observer);
 }
 
 // False if the mechanism has no independent parts, or if the run must begin anew, with the reason.
@@ -715,6 +759,33 @@ std::span<const double> Simulator::outputs() const { return impl_->row; }
 
 double Simulator::output(std::string_view column) const { return impl_->row[index(column)]; }
 std::size_t Simulator::index(std::string_view column) const { return column_index(impl_->columns, column); }
+
+std::vector<std::string> Simulator::drivers() const {
+  std::vector<std::string> names;
+  for (const Inputs::Control& c : impl_->motion.inputs().controls()) names.push_back(c.name);
+  return names;
+}
+
+const OutputJacobian& Simulator::jacobian() {
+  if (!impl_->slopes) {
+    impl_->slopes = std::make_unique<OutputSlopes>(impl_->structure, impl_->motion, impl_->outputs);
+  }
+  return impl_->slopes->compute();
+}
+
+ConstraintJacobian Simulator::constraint_jacobian() const {
+  std::vector<std::int32_t> all(impl_->structure.groups.size());
+  std::iota(all.begin(), all.end(), 0);
+  return assur::constraint_jacobian(impl_->structure, all, impl_->motion.posture());
+}
+ConstraintJacobian Simulator::constraint_jacobian(std::int32_t group) const {
+  const auto groups = static_cast<std::int32_t>(impl_->structure.groups.size());
+  if (group < 0 || group >= groups) {
+    throw Error(Error::Kind::input, "there is no group " + std::to_string(group) + "; there are " +
+                                        std::to_string(groups) + ", counted from 0");
+  }
+  return assur::constraint_jacobian(impl_->structure, {&group, 1}, impl_->motion.posture());
+}
 
 std::vector<GroupFigures> Simulator::examine() { return impl_->examine(); }
 

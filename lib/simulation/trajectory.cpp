@@ -41,6 +41,13 @@ double Trajectory::last(std::string_view column) const {
   return (*this)(rows() - 1, c);
 }
 
+std::vector<double> Trajectory::column(std::string_view column) const {
+  std::vector<double> out;
+  out.reserve(rows());
+  for (std::size_t i = index(column); i < values_.size(); i += columns_.size()) out.push_back(values_[i]);
+  return out;
+}
+
 namespace {
 
 // Lines of a CSV. A number is the shortest text that reads back as the same number; NaN is an empty field.

@@ -1,6 +1,7 @@
 // Options, help, and wrong arguments.
 #include <gtest/gtest.h>
 
+#include "assur/version.hpp"
 #include "commands/command.hpp"
 #include "output/format.hpp"
 

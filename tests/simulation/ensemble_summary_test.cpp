@@ -92,6 +92,26 @@ TEST(EnsembleSummary, GoesOnWhenAMemberEnds) {
   expect_as_stored(3, scene, "groups/eigen:4");
 }
 
+// Members that leave the others at the first step let these begin again. Each row counts once nevertheless.
+TEST(EnsembleSummary, MembersThatEndOrDivideTheFirstSteps) {
+  const SceneOf scene = [](std::size_t i) {
+    const double rate = i % 3 == 0 ? 0.4 : 3 * static_cast<double>(i * i);
+    return limited_four_bar(Law::polynomial({0.5, rate})).time(0, 1.5, 0.01).build();
+  };
+  for (const std::string strategy : {"groups/eigen:4", "irreducible/lanes:8", "groups/lanes:2 2x1"}) {
+    expect_as_stored(13, scene, strategy);
+  }
+}
+
+// The same in a table: the third coupler is too short, and that of the fifth reaches the rocker hardly.
+TEST(EnsembleSummary, MembersOfATableThatEndAtTheStart) {
+  Ensemble e(sample("four_bar:1").with_time({0, 0.1, 0.01}), {"coupler1", "rocker1"},
+             {1.8, 1.3, 1.9, 1.2, 0.1, 1.3, 1.7, 1.3, 2.4999, 1.3});
+  const EnsembleTrajectory all = e.run();
+  EXPECT_LT(all.rows(2), 2U);
+  expect_summaries_of(all, e.summarize(all.columns()));
+}
+
 TEST(EnsembleSummary, HasMembersOfAnotherStructure) {
   const SceneOf scene = [](std::size_t i) {
     return i == 1 || i == 3 ? on_a_rail() : with_law(Law::polynomial({0, 3})).with_outputs({"B", "C"});

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "assur/version.hpp"
 #include "commands/option_values.hpp"
 #include "sweep/sweep.hpp"
 
