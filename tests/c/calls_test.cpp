@@ -216,8 +216,8 @@ TEST(C, EnsemblesOfATableAndOfPlans) {
   ASSERT_EQ(assur_ensemble_new(scene.get(), names, 2, table, 3, 3, &options, nullptr, &ensemble), ASSUR_OK)
       << assur_error();
   const Owned<assur_ensemble> owned(ensemble);
-  Ensemble same(sample("four_bar:1").with_time({0, 0.1, 0.01}), {"coupler1", "rocker1"}, {1.8, 1.3, 1.9, 1.2, 0.05, 1.3},
-                {.budget = ThreadBudget{1}, .mode = Mode::throughput});
+  Ensemble same(sample("four_bar:1").with_time({0, 0.1, 0.01}), {"coupler1", "rocker1"},
+                {1.8, 1.3, 1.9, 1.2, 0.05, 1.3}, {.budget = ThreadBudget{1}, .mode = Mode::throughput});
   const EnsembleTrajectory motion = same.run();
   EXPECT_EQ(assur_ensemble_members(ensemble), 3U);
   ASSERT_EQ(assur_ensemble_column_count(ensemble), same.columns().size());
