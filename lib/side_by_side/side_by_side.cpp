@@ -66,8 +66,11 @@ void SideBySide::write_row(int lane, LaneRun& run, std::size_t row) {
   if (row == run.posture_wanted) run.posture = tile_.posture(lane);
 }
 
+// Once for each row: a step that fails is tried again from the row before it.
 void SideBySide::give_row(LaneRun& run, std::size_t row) const {
-  if (run.taker != nullptr) run.taker->take(run.times[row], run.row(row, columns().size()));
+  if (run.taker == nullptr || row < run.taken) return;
+  run.taker->take(run.times[row], run.row(row, columns().size()));
+  run.taken = row + 1;
 }
 
 // Solves from row `from`, at which the variants are, to the last row that all lanes reach in lockstep. Returns that
@@ -268,6 +271,7 @@ void SideBySide::alone(LaneRun& lane, Variant at, std::size_t row, bool to_the_e
   if (!restarted) std::copy(start.begin(), start.end(), first);
   const Turns turns(outputs(), first, start.data());
   lane.done = std::max(lane.done, row + 1);
+  if (to_the_end) give_row(lane, row);
   if (row == lane.posture_wanted) lane.posture = posture_of(*simulator);
   for (std::size_t k = row + 1; k < rows && lane.status.arrived() && !stopped_; ++k) {
     lane.status = step_of_run(*simulator, lane.times[k]);
@@ -281,7 +285,7 @@ void SideBySide::alone(LaneRun& lane, Variant at, std::size_t row, bool to_the_e
     if (!lane.alone) {
       lane.alone = true;
       lane.alone_from = from;
-      if (!restarted) give_row(lane, row);
+      give_row(lane, row);
     }
     if (!lane.status.arrived()) break;
     std::copy(simulator->outputs().begin(), simulator->outputs().end(), lane.row(k, columns));

@@ -25,6 +25,7 @@ struct LaneRun {
   std::span<const double> times;  // the first one is that of the variant
   double* rows = nullptr;         // receives the first `split` rows of results; `beyond` the others
   RowTaker* taker = nullptr;      // not null: takes each row, and only the latest one is kept
+  std::size_t taken = 0;          // rows that the taker has
   double* beyond = nullptr;
   std::size_t split = static_cast<std::size_t>(-1);
   std::size_t done = 0;  // rows filled
