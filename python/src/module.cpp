@@ -104,4 +104,7 @@ PYBIND11_MODULE(_core, m) {
   add_simulators(m);
   add_ensembles(m);
   add_fleets(m);
+  add_analysis(m);
+  add_pages(m);
+  add_sweeps(m);
 }

@@ -75,6 +75,41 @@ def test_times_and_reports(tmp_path, mechanism):
         simulator.run([1, 0])
 
 
+def test_files_of_a_motion(tmp_path, mechanism):
+    motion = assur.run(mechanism)
+    motion.write_npy(tmp_path / "motion.npy", every=7)
+    stored = numpy.load(tmp_path / "motion.npy")
+    assert stored.dtype.names == ("t", *motion.columns)
+    assert numpy.array_equal(stored["t"], motion.t[::7]) and numpy.array_equal(stored["C.vy"], motion["C.vy"][::7])
+    with pytest.raises(assur.InputError, match="every"):
+        motion.write_npy(tmp_path / "motion.npy", every=0)
+    with pytest.raises(assur.MachineError, match="nowhere"):
+        motion.write_csv(tmp_path / "nowhere" / "motion.csv")
+
+
+def test_a_closed_simulator(mechanism):
+    prepared = assur.prepare(mechanism, controlled=["motor"])
+    with assur.Simulator(prepared) as simulator:
+        motor = simulator.driver("motor")
+        simulator.set(motor, 0.1)
+        assert simulator.step()
+        outputs = simulator.outputs
+        row = outputs.copy()
+    gc.collect()
+    assert repr(simulator) == "Simulator(closed)" and numpy.array_equal(outputs, row)
+    for use in (simulator.step, simulator.run, simulator.reset, simulator.retreat, simulator.save,
+                lambda: simulator.set(motor, 0.2), lambda: simulator.set("motor", 0.2), lambda: simulator.output(0),
+                lambda: simulator.outputs, lambda: simulator.time, lambda: simulator.step(0.5),
+                lambda: assur.certify(simulator)):
+        with pytest.raises(assur.InputError, match="closed"):
+            use()
+    simulator.close()
+    with pytest.raises(RuntimeError, match="mine"):
+        with assur.Simulator(prepared) as simulator:
+            raise RuntimeError("mine")
+    assert repr(simulator) == "Simulator(closed)"
+
+
 def test_a_limit_ends_the_motion(mechanism):
     simulator = assur.Simulator(mechanism.with_values(rocker=1.4, coupler=2.0))
     motion = simulator.run()
