@@ -36,6 +36,7 @@ void add_simulators(py::module_& m);
 void add_ensembles(py::module_& m);
 void add_fleets(py::module_& m);
 void add_analysis(py::module_& m);
+void add_control_loops(py::module_& m);
 void add_pages(py::module_& m);
 void add_sweeps(py::module_& m);
 
@@ -73,6 +74,8 @@ void write_file(const std::string& file, const Write& write) {
   out.flush();
   if (!out) throw Error(Error::Kind::environment, file + " cannot be written");
 }
+// Success is one object: making another one takes as long as a short step.
+py::object object_of(const Status& status);
 // None for NaN.
 py::object known(double figure);
 // Raises the exception of the package for an Error.

@@ -36,12 +36,6 @@ StepLimits limits_of(int iterations, int most_iterations, double seconds, const 
   return out;
 }
 
-// Success is one object: making another one takes as long as a short step.
-py::object status_of(const Status& status) {
-  static const auto* const kOk = new py::object(py::cast(Status()));
-  return status.ok() && status.figure == 0 ? *kOk : py::cast(status);
-}
-
 std::size_t check_index(const Simulator& s, std::size_t column) {
   if (column < s.columns().size()) return column;
   throw py::index_error("there are " + plural(s.columns().size(), "output") + ", and no number " +
@@ -49,6 +43,11 @@ std::size_t check_index(const Simulator& s, std::size_t column) {
 }
 
 }  // namespace
+
+py::object object_of(const Status& status) {
+  static const auto* const kOk = new py::object(py::cast(Status()));
+  return status.ok() && status.figure == 0 ? *kOk : py::cast(status);
+}
 
 Simulator& Session::open() const {
   if (!simulator) throw Error(Error::Kind::input, "the simulator is closed; make another one");
@@ -131,15 +130,10 @@ iterations: a fixed number of Newton iterations (0: until they converge). most_i
 more. seconds: time limit of one step; 0: none. pin_to: processors for the threads.)")
       .def_property_readonly(
           "time", [](const Session& s) { return s.open().time(); }, "Time of the current posture, s.")
+      // set(), step() and output() are documented in control_loops.cpp.
+      .def("step", [](const Session& s) { return object_of(s.open().step()); })
       .def(
-          "step", [](const Session& s) { return status_of(s.open().step()); },
-          "Moves by one step of the time grid to the targets that were set.")
-      .def(
-          "step", [](const Session& s, double t) { return status_of(s.open().step(t)); }, py::arg("t"),
-          R"(Moves to the time t (s).
-
-Returns a Status, which is true if the time was reached. If it fails, step() returns to the state before it, and step(t)
-stays at the last good posture.)")
+          "step", [](const Session& s, double t) { return object_of(s.open().step(t)); }, py::arg("t"))
       .def(
           "set",
           [](const Session& s, DriverHandle driver, double value, double rate, double acceleration) {
@@ -151,8 +145,7 @@ stays at the last good posture.)")
           [](const Session& s, const std::string& driver, double value, double rate, double acceleration) {
             s.open().set(driver, value, rate, acceleration);
           },
-          py::arg("driver"), py::arg("value"), py::arg("rate") = 0., py::arg("acceleration") = 0.,
-          "Sets the target of a controlled driver (a name, or a handle of driver()) for the next step; SI units.")
+          py::arg("driver"), py::arg("value"), py::arg("rate") = 0., py::arg("acceleration") = 0.)
       .def(
           "driver", [](const Session& s, const std::string& name) { return s.open().driver(name); }, py::arg("name"),
           "The handle of a controlled driver, for control loops.")
