@@ -22,6 +22,7 @@ PyObject* call(const py::object& method, PyObject* self, PyObject* const* argume
   return PyObject_Vectorcall(method.ptr(), all.data(), static_cast<std::size_t>(count) + 1, names);
 }
 
+// Null if Python made the object without its constructor.
 template <class Item>
 Item* item_in(PyObject* object) {
   return reinterpret_cast<py::detail::instance*>(object)->get_value_and_holder().value_ptr<Item>();
@@ -51,8 +52,8 @@ PyObject* guarded(const Fast& fast) {
 PyObject* set(PyObject* self, PyObject* const* arguments, Py_ssize_t count, PyObject* names) {
   double numbers[3] = {0, 0, 0};  // value, rate, acceleration
   Simulator* const simulator = simulator_in(self);
-  bool fast =
-      simulator != nullptr && names == nullptr && count >= 2 && count <= 4 && Py_TYPE(arguments[0]) == methods().handle;
+  bool fast = simulator != nullptr && names == nullptr && count >= 2 && count <= 4 &&
+              Py_TYPE(arguments[0]) == methods().handle && item_in<DriverHandle>(arguments[0]) != nullptr;
   for (Py_ssize_t i = 1; i < count && fast; ++i) {
     fast = PyFloat_CheckExact(arguments[i]);
     if (fast) numbers[i - 1] = PyFloat_AS_DOUBLE(arguments[i]);

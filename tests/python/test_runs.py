@@ -105,6 +105,8 @@ def test_calls_of_a_control_loop_take_all_arguments(mechanism):
             if options:
                 super().__init__(*options)
 
+    with pytest.raises(TypeError):
+        bool(assur.Status.__new__(assur.Status))
     assert Own(prepared).step() and "__init__" in str(pytest.raises(TypeError, lambda: Own().step()).value)
 
 
