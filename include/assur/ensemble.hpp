@@ -153,6 +153,12 @@ class Ensemble {
   // The same over `times` (s), which begin with prepared().time.start. Throws also Error (input) if `times` are empty,
   // begin at another time, descend, or are not finite.
   EnsembleTrajectory run(std::span<const double> times, const Simulator::Observer& observer = {});
+  // The same, and keeps these columns only, in this order; each row is that of run(), bit by bit. Throws also Error
+  // (input) for an unknown column.
+  EnsembleTrajectory run(const std::vector<std::string>& columns, const Simulator::Observer& observer = {});
+  // The same over `times` (s).
+  EnsembleTrajectory run(const std::vector<std::string>& columns, std::span<const double> times,
+                         const Simulator::Observer& observer = {});
 
   // Runs all members as run() does, and keeps summaries of these columns instead of rows: the memory does not grow with
   // the number of times. Figures are those of the rows of run(), bit by bit. Throws as run(), and Error (input) for an

@@ -451,6 +451,30 @@ EnsembleTrajectory Ensemble::run(std::span<const double> times, const Simulator:
   return out;
 }
 
+EnsembleTrajectory Ensemble::run(const std::vector<std::string>& columns, const Simulator::Observer& observer) {
+  return run(columns, times_of(impl_->prepared->time), observer);
+}
+
+EnsembleTrajectory Ensemble::run(const std::vector<std::string>& columns, std::span<const double> times,
+                                 const Simulator::Observer& observer) {
+  check_begin(times, *impl_->prepared);
+  const std::vector<std::size_t> indices = indices_of(columns, impl_->columns);
+  EnsembleTrajectory out;
+  out.columns_ = columns;
+  out.times_.assign(times.begin(), times.end());
+  const std::size_t size = times.size() * columns.size();  // of a member
+  check_memory(members() * times.size(), columns.size());
+  out.values_.reset(new double[members() * size]);
+  std::vector<RowStore> stores;
+  for (std::size_t i = 0; i < members(); ++i) stores.emplace_back(indices, out.values_.get() + i * size);
+  impl_->run({out.times_, out.rows_, nullptr, [&](std::size_t i) -> RowTaker& { return stores[i]; }}, observer);
+  for (const std::size_t rows : out.rows_) {
+    impl_->report.counters.stored_values += static_cast<std::int64_t>(rows * columns.size());
+  }
+  Impl::fill_missing_rows(out);
+  return out;
+}
+
 EnsembleSummary Ensemble::summarize(const std::vector<std::string>& columns, const Simulator::Observer& observer) {
   return summarize(columns, times_of(impl_->prepared->time), observer);
 }

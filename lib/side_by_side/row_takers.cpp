@@ -23,6 +23,10 @@ std::vector<std::size_t> selected(const RowSelection& selection, const RowSink& 
   return indices_of(selection.columns.empty() ? all : selection.columns, all);
 }
 
+void RowStore::take(double /*time*/, const double* row) {
+  for (const std::size_t c : columns_) *to_++ = row[c];
+}
+
 RowSummary::RowSummary(std::span<const std::size_t> columns, std::span<ColumnSummary> out)
     : columns_(columns), out_(out) {
   std::fill(out_.begin(), out_.end(), ColumnSummary{kNan, kNan, kNan, kNan, kNan, kNan});

@@ -27,6 +27,20 @@ class RowTaker {
   virtual void finish() = 0;
 };
 
+// Stores some columns.
+class RowStore : public RowTaker {
+ public:
+  // columns: indices, which must outlive this object. to: rows x columns.
+  RowStore(std::span<const std::size_t> columns, double* to) : columns_(columns), to_(to) {}
+
+  void take(double time, const double* row) override;
+  void finish() override {}
+
+ private:
+  std::span<const std::size_t> columns_;
+  double* to_;
+};
+
 // Summarises some columns.
 class RowSummary : public RowTaker {
  public:

@@ -8,6 +8,10 @@ All quantities are in SI units, angles in rad.
 """
 
 from ._core import (
+    AssemblyModes,
+    Candidate,
+    Certificate,
+    CurveFrame,
     DriverHandle,
     Ensemble,
     EnsembleTrajectory,
@@ -16,8 +20,11 @@ from ._core import (
     Law,
     LinkageJoint,
     Machine,
+    MotionRange,
     Outcome,
+    PerformanceModel,
     Prepared,
+    RangeEnd,
     Report,
     Scene,
     SceneBuilder,
@@ -26,23 +33,39 @@ from ._core import (
     Status,
     Trajectory,
     __version__,
+    assembly_modes,
     backends,
+    certify,
     fitted_distance,
+    forward_error,
+    frame_of,
     load_plan,
+    machine_model,
+    motion_range,
     nearest_distance,
+    normalize,
     parse_scene,
     prepare,
+    random_linkage,
     read_scene,
     sample,
     scene,
+    scene_of,
     shape_distance,
+    sweep,
     this_machine,
     timed_distance,
+    worst_of,
 )
 from ._errors import Error, InputError, Interrupted, MachineError, NumericalError
+from ._pictures import html, plot
 from ._tables import to_pandas, to_xarray
 
 __all__ = [
+    "AssemblyModes",
+    "Candidate",
+    "Certificate",
+    "CurveFrame",
     "DriverHandle",
     "Ensemble",
     "EnsembleTrajectory",
@@ -55,9 +78,12 @@ __all__ = [
     "LinkageJoint",
     "Machine",
     "MachineError",
+    "MotionRange",
     "NumericalError",
     "Outcome",
+    "PerformanceModel",
     "Prepared",
+    "RangeEnd",
     "Report",
     "Scene",
     "SceneBuilder",
@@ -66,32 +92,46 @@ __all__ = [
     "Status",
     "Trajectory",
     "__version__",
+    "assembly_modes",
     "backends",
+    "certify",
     "fitted_distance",
+    "forward_error",
+    "frame_of",
     "load_plan",
+    "machine_model",
+    "motion_range",
     "nearest_distance",
+    "normalize",
     "parse_scene",
+    "plot",
     "prepare",
+    "random_linkage",
     "read_scene",
     "run",
     "sample",
     "scene",
+    "scene_of",
     "shape_distance",
+    "sweep",
     "this_machine",
     "timed_distance",
     "to_pandas",
     "to_xarray",
+    "worst_of",
 ]
 
 Trajectory.to_pandas = EnsembleTrajectory.to_pandas = to_pandas
 Trajectory.to_xarray = EnsembleTrajectory.to_xarray = to_xarray
+Trajectory.plot = plot
+Scene._repr_html_ = Prepared._repr_html_ = Trajectory._repr_html_ = html
 
 
 def run(what, times=None, *, progress=None, **options):
-    """Opens, prepares and runs a mechanism in one call; returns a Trajectory.
+    """Opens, prepares and runs a mechanism in one call; returns a Trajectory, SI units.
 
-    what: a Scene, a Prepared, or what scene() opens. times: s; None: the time grid of the scene. Options as in
-    prepare().
+    what: a Scene, a Prepared, or what scene() opens. times: an array of (times,), s; None: the time grid of the scene.
+    Options as in prepare().
     """
     if isinstance(what, Prepared):
         if options:

@@ -1,5 +1,8 @@
 // Ensembles: many variants at once.
+#include <pybind11/stl/filesystem.h>
+
 #include <algorithm>
+#include <filesystem>
 
 #include "module.hpp"
 
@@ -43,12 +46,20 @@ Table table_of(const py::dict& columns) {
   return out;
 }
 
-// An ensemble with the names of its table.
-struct TableEnsemble {
-  std::vector<std::string> names;
-  Ensemble ensemble;
+using Path = std::filesystem::path;
+using Names = std::vector<std::string>;
 
-  void bind(const py::dict& columns) {
+// An ensemble with the names of its table, until it is closed.
+struct TableEnsemble {
+  Names names;
+  std::shared_ptr<Ensemble> ensemble;
+
+  [[nodiscard]] Ensemble& open() const {
+    if (!ensemble) throw Error(Error::Kind::input, "the ensemble is closed; make another one");
+    return *ensemble;
+  }
+
+  void bind(const py::dict& columns) const {
     Table table = table_of(columns);
     std::vector<std::size_t> place;
     for (const std::string& name : names) {
@@ -62,9 +73,32 @@ struct TableEnsemble {
     for (std::size_t i = 0; i < values.size(); i += names.size()) {
       for (std::size_t k = 0; k < names.size(); ++k) values[i + k] = table.values[i + place[k]];
     }
-    ensemble.bind(std::move(values));
+    open().bind(std::move(values));
   }
 };
+
+// Calls run(ensemble, times, observer), or run(ensemble, observer) for the time grid of the scene, without the lock of
+// the interpreter.
+template <class Run>
+auto run_members(const TableEnsemble& e, const std::optional<Array>& times, const py::object& progress,
+                 bool& interrupted, const Run& run) {
+  Ensemble& ensemble = e.open();
+  const auto keep = e.ensemble;  // another thread may close it meanwhile
+  const std::vector<double> at = times ? numbers(*times) : std::vector<double>();
+  return run_watched(progress, interrupted, [&](const Simulator::Observer& observer) {
+    return times ? run(ensemble, std::span(at), observer) : run(ensemble, observer);
+  });
+}
+
+// Gives rows to a function of Python: (member, t, values). All threads call it.
+RowSink sink_of(const py::function& callback) {
+  return [callback = shared(callback)](const MemberRows& rows) {
+    const py::gil_scoped_acquire lock;
+    const auto count = static_cast<py::ssize_t>(rows.times.size());
+    const py::ssize_t columns = static_cast<py::ssize_t>(rows.values.size()) / count;
+    (*callback)(rows.member, Array(count, rows.times.data()), Array({count, columns}, rows.values.data()));
+  };
+}
 
 py::ssize_t size(std::size_t n) { return static_cast<py::ssize_t>(n); }
 
@@ -117,6 +151,20 @@ result: nothing is copied, and they cannot be written.)")
              return std::find(e.columns().begin(), e.columns().end(), column) != e.columns().end();
            })
       .def("keys", &EnsembleTrajectory::columns, "Names of the outputs.")
+      .def(
+          "write_csv",
+          [](const EnsembleTrajectory& e, const Path& file) {
+            write_file(file, [&](std::ostream& out) { write_csv(out, e); });
+          },
+          py::arg("file"), "Writes a CSV with the columns member (from 1), t (s) and all outputs, SI units.")
+      .def(
+          "write_npy",
+          [](const EnsembleTrajectory& e, const Path& file, std::size_t every, bool single) {
+            write_file(file, [&](std::ostream& out) { write_npy(out, e, {every, single}); });
+          },
+          py::arg("file"), py::arg("every") = 1, py::arg("single") = false,
+          "Writes every n-th row for numpy.load(): an array of (members, rows) with the fields t and all outputs. "
+          "single: in single precision.")
       .def("__repr__", [](const EnsembleTrajectory& e) {
         return "EnsembleTrajectory(" + plural(e.members(), "member") + ", " + plural(e.times().size(), "time") + ", " +
                plural(e.columns().size(), "column") + ")";
@@ -132,7 +180,8 @@ result: nothing is copied, and they cannot be written.)")
         return py::str("Outcome({!r}, reached={:g} s)").format(o.status, o.reached).cast<std::string>();
       });
 
-  py::class_<TableEnsemble>(m, "Ensemble", R"(Many variants of one mechanism over the same times, in SIMD lanes.)")
+  py::class_<TableEnsemble>(m, "Ensemble",
+                            R"(Many variants of one mechanism over the same times, in SIMD lanes. `with` closes it.)")
       .def(py::init([](const Scene& scene, const py::dict& values, const std::string& strategy,
                        std::optional<int> threads, const std::vector<std::string>& without) {
              Table table = table_of(values);
@@ -142,7 +191,8 @@ result: nothing is copied, and they cannot be written.)")
              options.mode = Mode::throughput;
              options.without = without;
              const py::gil_scoped_release release;
-             return TableEnsemble{table.names, Ensemble(scene, table.names, std::move(table.values), options)};
+             return TableEnsemble{table.names,
+                                  std::make_shared<Ensemble>(scene, table.names, std::move(table.values), options)};
            }),
            py::arg("scene"), py::arg("values"), py::kw_only(), py::arg("strategy") = "auto",
            py::arg("threads") = py::none(), py::arg("without") = std::vector<std::string>{},
@@ -154,27 +204,53 @@ SI units. No scene is made for a member. Members that cannot be assembled are ou
            "Other values of the same names, for any number of members. Takes 0.1 us or so a member when they run.")
       .def(
           "run",
-          [](TableEnsemble& e, const std::optional<Array>& times, const py::object& progress) -> py::object {
-            const std::vector<double> at = times ? numbers(*times) : std::vector<double>();
+          [](const TableEnsemble& e, const std::optional<Array>& times, const std::optional<Names>& outputs,
+             const py::object& progress) -> py::object {
             bool interrupted = false;
-            py::object out = py::cast(run_watched(progress, interrupted, [&](const Simulator::Observer& observer) {
-              return times ? e.ensemble.run(at, observer) : e.ensemble.run(observer);
-            }));
+            py::object out =
+                py::cast(run_members(e, times, progress, interrupted, [&](Ensemble& ensemble, const auto&... how) {
+                  return outputs ? ensemble.run(*outputs, how...) : ensemble.run(how...);
+                }));
             if (interrupted) raise_interrupted(out);
             return out;
           },
-          py::arg("times") = py::none(), py::kw_only(), py::arg("progress") = py::none(),
-          "Runs all members over the time grid of the scene, or over `times` (s). Returns an EnsembleTrajectory. See "
-          "Simulator.run() for Ctrl-C and progress.")
+          py::arg("times") = py::none(), py::kw_only(), py::arg("outputs") = py::none(),
+          py::arg("progress") = py::none(),
+          R"(Runs all members over the time grid of the scene, or over `times` (s): an array of (times,).
+
+outputs: names of columns to keep; None: all. The others then need no memory, and the numbers are the same bit by bit.
+Returns an EnsembleTrajectory, SI units. See Simulator.run() for Ctrl-C and progress.)")
+      .def(
+          "stream",
+          [](const TableEnsemble& e, const py::function& callback, const std::optional<Names>& columns,
+             std::size_t every, std::optional<std::size_t> block, const std::optional<Array>& times,
+             const py::object& progress) {
+            RowSelection selection;
+            if (columns) selection.columns = *columns;
+            selection.every = every;
+            if (block) selection.block = *block;
+            bool interrupted = false;
+            run_members(e, times, progress, interrupted, [&](Ensemble& ensemble, const auto&... how) {
+              ensemble.stream(selection, sink_of(callback), how...);
+              return true;
+            });
+            if (interrupted) raise_interrupted(py::none());
+          },
+          py::arg("callback"), py::kw_only(), py::arg("columns") = py::none(), py::arg("every") = 1,
+          py::arg("block") = py::none(), py::arg("times") = py::none(), py::arg("progress") = py::none(),
+          R"(Runs all members as run() does, and calls callback(member, t, values) instead of keeping rows.
+
+t: an array of (rows,), s. values: an array of (rows, columns), SI units, of these columns (None: all). every: every
+n-th row. block: most rows of one call; None: all rows of a member at once. Members come in any order, the blocks of a
+member in theirs. An exception of the callback ends the run. For less work per row, use summarize().)")
       .def(
           "summarize",
-          [](TableEnsemble& e, const std::vector<std::string>& columns, const std::optional<Array>& times,
+          [](const TableEnsemble& e, const Names& columns, const std::optional<Array>& times,
              const py::object& progress) -> py::object {
-            const std::vector<double> at = times ? numbers(*times) : std::vector<double>();
             bool interrupted = false;
-            const EnsembleSummary s = run_watched(progress, interrupted, [&](const Simulator::Observer& observer) {
-              return times ? e.ensemble.summarize(columns, at, observer) : e.ensemble.summarize(columns, observer);
-            });
+            const EnsembleSummary s = run_members(
+                e, times, progress, interrupted,
+                [&](Ensemble& ensemble, const auto&... how) { return ensemble.summarize(columns, how...); });
             py::dict out;
             for (std::size_t c = 0; c < columns.size(); ++c) {
               py::dict of;
@@ -198,20 +274,29 @@ SI units. No scene is made for a member. Members that cannot be assembled are ou
           "Runs all members and keeps figures of these columns: a dict of columns, each a dict of 'minimum', "
           "'maximum', "
           "'minimum_time', 'maximum_time', 'mean' and 'last', arrays of (members,). NaN where a member has no row.")
-      .def("__len__", [](const TableEnsemble& e) { return e.ensemble.members(); })
+      .def("__len__", [](const TableEnsemble& e) { return e.open().members(); })
       .def_readonly("names", &TableEnsemble::names, "Names of the values.")
       .def_property_readonly(
-          "outcomes", [](const TableEnsemble& e) { return e.ensemble.outcomes(); },
+          "outcomes", [](const TableEnsemble& e) { return e.open().outcomes(); },
           "The end of each member in the last run: a list of Outcome.")
       .def_property_readonly(
-          "report", [](const TableEnsemble& e) { return e.ensemble.report(); },
+          "report", [](const TableEnsemble& e) { return e.open().report(); },
           "Report of the last run: sums and largest errors of all members.")
       .def_property_readonly(
-          "prepared", [](const TableEnsemble& e) { return e.ensemble.prepared(); },
+          "prepared",
+          [](const TableEnsemble& e) {
+            return Ready{e.open().prepared(), {}};
+          },
           "Plan and structure of the first member.")
+      .def(
+          "close", [](TableEnsemble& e) { e.ensemble.reset(); },
+          "Ends threads and returns memory; any later use raises InputError. Results stay valid.")
+      .def("__enter__", [](const py::object& self) { return self; })
+      .def("__exit__", [](TableEnsemble& e, const py::args&) { e.ensemble.reset(); })
       .def("__repr__", [](const TableEnsemble& e) {
+        if (!e.ensemble) return std::string("Ensemble(closed)");
         std::string out =
-            "Ensemble('" + e.ensemble.prepared().name + "', " + plural(e.ensemble.members(), "member") + " by";
+            "Ensemble('" + e.open().prepared().name + "', " + plural(e.open().members(), "member") + " by";
         for (const std::string& name : e.names) out += " " + name;
         return out + ")";
       });

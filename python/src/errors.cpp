@@ -4,14 +4,6 @@
 namespace assur::python {
 namespace {
 
-void raise(const Error& e) {
-  const char* const names[] = {"InputError", "NumericalError", "MachineError"};
-  py::list diagnostics;
-  for (const Diagnostic& d : e.diagnostics()) diagnostics.append(py::make_tuple(d.where, d.what));
-  const py::object type = py::module_::import("assur._errors").attr(names[static_cast<std::size_t>(e.kind())]);
-  PyErr_SetObject(type.ptr(), type(e.what(), diagnostics).ptr());
-}
-
 std::string text_of(const Status& s) {
   std::string out = "Status('" + std::string(name(s.code)) + "'";
   const char* const kinds[] = {"", "driver", "group", "lane", "member"};
@@ -21,8 +13,6 @@ std::string text_of(const Status& s) {
   if (s.figure != 0) out += ", figure=" + py::str(py::float_(s.figure)).cast<std::string>();
   return out + ")";
 }
-
-py::object known(double figure) { return std::isnan(figure) ? py::object(py::none()) : py::float_(figure); }
 
 std::string text_of(const Report& r) {
   std::string out = "Report(" + text_of(r.status) + ", reached=" + py::str(py::float_(r.reached)).cast<std::string>() +
@@ -38,6 +28,16 @@ std::string text_of(const Report& r) {
 }
 
 }  // namespace
+
+void raise(const Error& e) {
+  const char* const names[] = {"InputError", "NumericalError", "MachineError"};
+  py::list diagnostics;
+  for (const Diagnostic& d : e.diagnostics()) diagnostics.append(py::make_tuple(d.where, d.what));
+  const py::object type = py::module_::import("assur._errors").attr(names[static_cast<std::size_t>(e.kind())]);
+  PyErr_SetObject(type.ptr(), type(e.what(), diagnostics).ptr());
+}
+
+py::object known(double figure) { return std::isnan(figure) ? py::object(py::none()) : py::float_(figure); }
 
 void add_errors(py::module_& m) {
   py::register_exception_translator([](std::exception_ptr p) {

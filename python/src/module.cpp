@@ -102,6 +102,10 @@ PYBIND11_MODULE(_core, m) {
   add_builder(m);
   add_plans(m);
   add_simulators(m);
+  add_control_loops(m);
   add_ensembles(m);
   add_fleets(m);
+  add_analysis(m);
+  add_pages(m);
+  add_sweeps(m);
 }

@@ -9,12 +9,17 @@
 #include <cstddef>
 #include <cstdint>
 #include <exception>
+#include <fstream>
+#include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "assur/assur.hpp"
+#include "assur/curve.hpp"
+#include "assur/modes.hpp"
 
 namespace assur::python {
 
@@ -30,12 +35,51 @@ void add_plans(py::module_& m);
 void add_simulators(py::module_& m);
 void add_ensembles(py::module_& m);
 void add_fleets(py::module_& m);
+void add_analysis(py::module_& m);
+void add_control_loops(py::module_& m);
+void add_pages(py::module_& m);
+void add_sweeps(py::module_& m);
+
+// Prepared with the modes in which its motion starts, so that it can be prepared again.
+struct Ready : Prepared {
+  std::vector<ModeChoice> modes;
+};
+
+// A trajectory with its mechanism.
+struct Motions : Trajectory {
+  std::shared_ptr<const Ready> of;
+};
+
+// A simulator until it is closed. Arrays that show its memory keep it alive.
+struct Session {
+  std::shared_ptr<Simulator> simulator;
+  std::vector<ModeChoice> modes;
+
+  // Throws Error (input) if it is closed.
+  [[nodiscard]] Simulator& open() const;
+};
 
 // An array that shows memory of `owner`, which it keeps alive; not writable. strides: bytes; empty: contiguous.
 py::array view(const double* data, std::vector<py::ssize_t> shape, py::handle owner,
                std::vector<py::ssize_t> strides = {});
+// A curve, an array of (points, 2). Throws Error (input) for another shape.
+std::vector<PlanePoint> curve_of(const Array& points);
 // The numbers of an array, row after row.
 std::vector<double> numbers(const Array& array);
+// Writes a file by write(stream). Throws Error (environment) if this fails.
+template <class Write>
+void write_file(const std::string& file, const Write& write) {
+  std::ofstream out(file, std::ios::binary);
+  write(out);
+  out.flush();
+  if (!out) throw Error(Error::Kind::environment, file + " cannot be written");
+}
+// Success is one object: making another one takes as long as a short step.
+py::object object_of(const Status& status);
+// None for NaN.
+py::object known(double figure);
+// Raises the exception of the package for an Error.
+void raise(const Error& e);
 // A function of the program, which is released under the lock of the interpreter.
 std::shared_ptr<py::function> shared(const py::function& function);
 
@@ -79,6 +123,14 @@ auto run_watched(const py::object& progress, bool& interrupted, const Run& run) 
   interrupted = watch.interrupted();
   return result;
 }
+
+// Keyword arguments of prepare(); `threads`: None for the default.
+PrepareOptions options_of(const std::string& strategy, const std::vector<std::string>& controlled,
+                          std::optional<int> threads, const std::string& mode, double accuracy,
+                          const std::vector<std::string>& without);
+
+// A dict of groups and numbers of modes.
+std::vector<ModeChoice> choices_of(const std::map<std::string, std::size_t>& modes);
 
 // Raises assur.Interrupted, whose `result` is this object.
 [[noreturn]] void raise_interrupted(const py::object& result);

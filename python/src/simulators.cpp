@@ -1,15 +1,28 @@
 // Simulators and trajectories.
+#include <pybind11/stl/filesystem.h>
+
 #include <algorithm>
-#include <fstream>
+#include <filesystem>
 
 #include "module.hpp"
+#include "pictures/quantities.hpp"
 
 namespace assur::python {
 namespace {
 
+using Path = std::filesystem::path;
+
+std::map<std::string, std::string> units_of(const Structure& structure, const std::vector<std::string>& columns) {
+  std::map<std::string, std::string> out;
+  for (const pictures::Quantity& q : pictures::quantities(structure)) {
+    for (const std::size_t c : q.columns) out[columns[c]] = q.unit;
+  }
+  return out;
+}
+
 // Shows the columns of a trajectory, under their names.
 py::array column_of(const py::object& self, const std::string& column) {
-  const auto& t = self.cast<const Trajectory&>();
+  const auto& t = self.cast<const Motions&>();
   const auto width = static_cast<py::ssize_t>(t.columns().size() * sizeof(double));
   return view(t.values().data() + t.index(column), {static_cast<py::ssize_t>(t.rows())}, self, {width});
 }
@@ -23,12 +36,6 @@ StepLimits limits_of(int iterations, int most_iterations, double seconds, const 
   return out;
 }
 
-// Success is one object: making another one takes as long as a short step.
-py::object status_of(const Status& status) {
-  static const auto* const kOk = new py::object(py::cast(Status()));
-  return status.ok() && status.figure == 0 ? *kOk : py::cast(status);
-}
-
 std::size_t check_index(const Simulator& s, std::size_t column) {
   if (column < s.columns().size()) return column;
   throw py::index_error("there are " + plural(s.columns().size(), "output") + ", and no number " +
@@ -37,22 +44,32 @@ std::size_t check_index(const Simulator& s, std::size_t column) {
 
 }  // namespace
 
+py::object object_of(const Status& status) {
+  static const auto* const kOk = new py::object(py::cast(Status()));
+  return status.ok() && status.figure == 0 ? *kOk : py::cast(status);
+}
+
+Simulator& Session::open() const {
+  if (!simulator) throw Error(Error::Kind::input, "the simulator is closed; make another one");
+  return *simulator;
+}
+
 void add_simulators(py::module_& m) {
-  py::class_<Trajectory>(m, "Trajectory", R"(The rows of a run, in SI units. motion['C.x'] is a column.
+  py::class_<Motions>(m, "Trajectory", R"(The rows of a run, in SI units. motion['C.x'] is a column.
 
 Arrays show the memory of the trajectory: nothing is copied, and they cannot be written.)")
       .def_property_readonly("columns", &Trajectory::columns, "Names of the outputs: 'C.x', 'C.vx', 'angle.rate', ...")
       .def_property_readonly(
           "t",
           [](const py::object& self) {
-            const auto& t = self.cast<const Trajectory&>();
+            const auto& t = self.cast<const Motions&>();
             return view(t.times().data(), {static_cast<py::ssize_t>(t.rows())}, self);
           },
           "Times of the rows, s: an array of (rows,).")
       .def_property_readonly(
           "values",
           [](const py::object& self) {
-            const auto& t = self.cast<const Trajectory&>();
+            const auto& t = self.cast<const Motions&>();
             return view(t.values().data(),
                         {static_cast<py::ssize_t>(t.rows()), static_cast<py::ssize_t>(t.columns().size())}, self);
           },
@@ -60,20 +77,28 @@ Arrays show the memory of the trajectory: nothing is copied, and they cannot be 
       .def("__getitem__", &column_of, py::arg("column"), "One output over time: an array of (rows,).")
       .def("__len__", &Trajectory::rows)
       .def("__contains__",
-           [](const Trajectory& t, const std::string& column) {
+           [](const Motions& t, const std::string& column) {
              return std::find(t.columns().begin(), t.columns().end(), column) != t.columns().end();
            })
       .def("keys", &Trajectory::columns, "Names of the outputs.")
       .def(
           "write_csv",
-          [](const Trajectory& t, const std::string& file) {
-            std::ofstream out(file);
-            write_csv(out, t);
-            out.flush();
-            if (!out) throw Error(Error::Kind::environment, file + " cannot be written");
+          [](const Motions& t, const Path& file) { write_file(file, [&](std::ostream& out) { write_csv(out, t); }); },
+          py::arg("file"), "Writes a CSV with the columns t and all outputs, every digit kept; s and SI units.")
+      .def(
+          "write_npy",
+          [](const Motions& t, const Path& file, std::size_t every, bool single) {
+            write_file(file, [&](std::ostream& out) { write_npy(out, t, {every, single}); });
           },
-          py::arg("file"), "Writes a CSV with the columns t and all outputs, every digit kept.")
-      .def("__repr__", [](const Trajectory& t) {
+          py::arg("file"), py::arg("every") = 1, py::arg("single") = false,
+          "Writes every n-th row for numpy.load(): an array of (rows,) with the fields t and all outputs. single: in "
+          "single precision.")
+      .def_property_readonly(
+          "prepared", [](const Motions& t) { return *t.of; }, "The Prepared that moved; its `scene` is the scene.")
+      .def_property_readonly(
+          "units", [](const Motions& t) { return units_of(*t.of->structure, t.columns()); },
+          "Units of the columns: a dict of names and texts such as 'm/s'; '': none.")
+      .def("__repr__", [](const Motions& t) {
         std::string out = "Trajectory(" + plural(t.rows(), "row") + " of " + plural(t.columns().size(), "column");
         if (t.rows() > 0) {
           out += ", t = " + py::str("{:g} to {:g} s").format(t.times().front(), t.times().back()).cast<std::string>();
@@ -85,14 +110,17 @@ Arrays show the memory of the trajectory: nothing is copied, and they cannot be 
   py::class_<SimulatorState>(m, "SimulatorState", R"(A saved state of a simulator: Simulator.save(), restore().)")
       .def_property_readonly("time", &SimulatorState::time, "Time of the posture, s.");
 
-  py::class_<Simulator>(m, "Simulator", R"(Moves one mechanism, step by step or over its time grid.
+  py::class_<Session> simulator(m, "Simulator", R"(Moves one mechanism, step by step or over its time grid.
 
-A simulator serves one thread at a time; different simulators run in different threads.)")
+A simulator serves one thread at a time; different simulators run in different threads. `with` closes it at the end.)");
+  simulator
       .def(py::init([](const py::object& of, int iterations, int most_iterations, double seconds,
                        const std::vector<int>& pin_to) {
-             const Prepared prepared =
-                 py::isinstance<Scene>(of) ? prepare(of.cast<const Scene&>()) : of.cast<const Prepared&>();
-             return Simulator(prepared, limits_of(iterations, most_iterations, seconds, pin_to));
+             const Ready prepared =
+                 py::isinstance<Scene>(of) ? Ready{prepare(of.cast<const Scene&>()), {}} : of.cast<const Ready&>();
+             return Session{
+                 std::make_shared<Simulator>(prepared, limits_of(iterations, most_iterations, seconds, pin_to)),
+                 prepared.modes};
            }),
            py::arg("prepared"), py::kw_only(), py::arg("iterations") = 0, py::arg("most_iterations") = 12,
            py::arg("seconds") = 0., py::arg("pin_to") = std::vector<int>{},
@@ -100,54 +128,61 @@ A simulator serves one thread at a time; different simulators run in different t
 
 iterations: a fixed number of Newton iterations (0: until they converge). most_iterations: a step is divided if it needs
 more. seconds: time limit of one step; 0: none. pin_to: processors for the threads.)")
-      .def_property_readonly("time", &Simulator::time, "Time of the current posture, s.")
+      .def_property_readonly(
+          "time", [](const Session& s) { return s.open().time(); }, "Time of the current posture, s.")
+      // set(), step() and output() are documented in control_loops.cpp.
+      .def("step", [](const Session& s) { return object_of(s.open().step()); })
       .def(
-          "step", [](Simulator& s) { return status_of(s.step()); },
-          "Moves by one step of the time grid to the targets that were set.")
-      .def(
-          "step", [](Simulator& s, double t) { return status_of(s.step(t)); }, py::arg("t"),
-          R"(Moves to the time t (s).
-
-Returns a Status, which is true if the time was reached. If it fails, step() returns to the state before it, and step(t)
-stays at the last good posture.)")
+          "step", [](const Session& s, double t) { return object_of(s.open().step(t)); }, py::arg("t"))
       .def(
           "set",
-          [](Simulator& s, DriverHandle driver, double value, double rate, double acceleration) {
-            s.set(driver, value, rate, acceleration);
+          [](const Session& s, DriverHandle driver, double value, double rate, double acceleration) {
+            s.open().set(driver, value, rate, acceleration);
           },
           py::arg("driver"), py::arg("value"), py::arg("rate") = 0., py::arg("acceleration") = 0.)
       .def(
           "set",
-          [](Simulator& s, const std::string& driver, double value, double rate, double acceleration) {
-            s.set(driver, value, rate, acceleration);
+          [](const Session& s, const std::string& driver, double value, double rate, double acceleration) {
+            s.open().set(driver, value, rate, acceleration);
           },
-          py::arg("driver"), py::arg("value"), py::arg("rate") = 0., py::arg("acceleration") = 0.,
-          "Sets the target of a controlled driver (a name, or a handle of driver()) for the next step; SI units.")
-      .def("driver", &Simulator::driver, py::arg("name"), "The handle of a controlled driver, for control loops.")
-      .def("index", &Simulator::index, py::arg("column"), "Index of a column in outputs, for control loops.")
+          py::arg("driver"), py::arg("value"), py::arg("rate") = 0., py::arg("acceleration") = 0.)
       .def(
-          "output", [](const Simulator& s, std::size_t column) { return s.outputs()[check_index(s, column)]; },
+          "driver", [](const Session& s, const std::string& name) { return s.open().driver(name); }, py::arg("name"),
+          "The handle of a controlled driver, for control loops.")
+      .def(
+          "index", [](const Session& s, const std::string& column) { return s.open().index(column); },
+          py::arg("column"), "Index of a column in outputs, for control loops.")
+      .def(
+          "output",
+          [](const Session& s, std::size_t column) { return s.open().outputs()[check_index(s.open(), column)]; },
           py::arg("column"))
       .def(
-          "output", [](const Simulator& s, const std::string& column) { return s.output(column); }, py::arg("column"),
-          "One output at the current time, by its name or by index(); SI units.")
-      .def_property_readonly("columns", &Simulator::columns, "Names of the outputs.")
+          "output", [](const Session& s, const std::string& column) { return s.open().output(column); },
+          py::arg("column"), "One output at the current time, by its name or by index(); SI units.")
+      .def_property_readonly(
+          "columns", [](const Session& s) { return s.open().columns(); }, "Names of the outputs.")
       .def_property_readonly(
           "outputs",
-          [](const py::object& self) {
-            const std::span<const double> row = self.cast<const Simulator&>().outputs();
-            return view(row.data(), {static_cast<py::ssize_t>(row.size())}, self);
+          [](const Session& s) {
+            const std::span<const double> row = s.open().outputs();
+            const py::capsule keep(new std::shared_ptr<Simulator>(s.simulator),
+                                   [](void* p) { delete static_cast<std::shared_ptr<Simulator>*>(p); });
+            return view(row.data(), {static_cast<py::ssize_t>(row.size())}, keep);
           },
           "All outputs at the current time: an array of (columns,) that shows the memory of the simulator, and so "
           "changes with each step.")
       .def(
           "run",
-          [](Simulator& s, const std::optional<Array>& times, const py::object& progress) {
+          [](const Session& session, const std::optional<Array>& times, const py::object& progress) {
+            Simulator& s = session.open();
+            const auto keep = session.simulator;  // another thread may close the session meanwhile
             const std::vector<double> at = times ? numbers(*times) : std::vector<double>();
             bool interrupted = false;
-            py::object out = py::cast(run_watched(progress, interrupted, [&](const Simulator::Observer& observer) {
+            Trajectory rows = run_watched(progress, interrupted, [&](const Simulator::Observer& observer) {
               return times ? s.run(at, observer) : s.run(observer);
-            }));
+            });
+            py::object out =
+                py::cast(Motions{std::move(rows), std::make_shared<const Ready>(Ready{s.prepared(), session.modes})});
             if (interrupted) raise_interrupted(out);
             return out;
           },
@@ -156,16 +191,34 @@ stays at the last good posture.)")
 
 Returns a Trajectory with the rows that were reached; report.status tells why it ended. Other threads of Python go on
 meanwhile. Ctrl-C raises Interrupted, whose `result` has the rows that were done. progress: tqdm, or a bar of it.)")
-      .def("reset", &Simulator::reset, "Returns to the start posture; clears report and targets.")
       .def(
-          "save", [](Simulator& s) { return s.save(); }, "Saves the state, to which restore() returns.")
-      .def("restore", &Simulator::restore, py::arg("state"), "Returns to a saved state.")
+          "reset", [](const Session& s) { s.open().reset(); },
+          "Returns to the start posture; clears report and targets.")
+      .def(
+          "retreat", [](const Session& s) { s.open().retreat(); },
+          "Returns to the last posture that an undivided step reached: after step(t) failed near a limit.")
+      .def(
+          "save", [](const Session& s) { return s.open().save(); }, "Saves the state, to which restore() returns.")
+      .def(
+          "restore", [](const Session& s, const SimulatorState& state) { s.open().restore(state); }, py::arg("state"),
+          "Returns to a saved state.")
       .def_property_readonly(
-          "report", [](const Simulator& s) { return s.report(); },
+          "report", [](const Session& s) { return s.open().report(); },
           "Report since the begin of the run, or of the single steps.")
       .def_property_readonly(
-          "prepared", [](const Simulator& s) { return s.prepared(); }, "Plan and structure in use.")
-      .def("__repr__", [](const Simulator& s) {
+          "prepared",
+          [](const Session& s) {
+            return Ready{s.open().prepared(), s.modes};
+          },
+          "Plan and structure in use.")
+      .def(
+          "close", [](Session& s) { s.simulator.reset(); },
+          "Ends threads and returns memory; any later use raises InputError. Arrays of it stay valid.")
+      .def("__enter__", [](const py::object& self) { return self; })
+      .def("__exit__", [](Session& s, const py::args&) { s.simulator.reset(); })
+      .def("__repr__", [](const Session& session) {
+        if (!session.simulator) return std::string("Simulator(closed)");
+        const Simulator& s = *session.simulator;
         return py::str("Simulator('{}', time={:g} s, {})")
             .format(s.prepared().name, s.time(), plural(s.columns().size(), "output"))
             .cast<std::string>();

@@ -30,6 +30,72 @@ def test_an_ensemble_from_arrays(mechanism):
     assert numpy.allclose(again.values[2], alone.values, rtol=0, atol=1e-9)
 
 
+def test_named_outputs_have_the_same_bits(mechanism):
+    couplers = numpy.linspace(1.9, 3.2, 40)  # the shortest ones jam
+    ensemble = assur.Ensemble(mechanism, {"coupler": couplers, "rocker": 1.4}, threads=1)
+    every = ensemble.run()
+    some = ensemble.run(outputs=["rocker_angle", "C.x"])
+    assert some.columns == ["rocker_angle", "C.x"] and some.values.shape == (40, 201, 2)
+    assert 0 < (some.rows < 201).sum() < 40 and numpy.array_equal(some.rows, every.rows)
+    for name in some.columns:
+        assert numpy.array_equal(some[name], every[name], equal_nan=True)
+    early = ensemble.run([0, 0.1], outputs=["C.x"])
+    assert early.values.shape == (40, 2, 1)
+    assert numpy.array_equal(early["C.x"], ensemble.run([0, 0.1])["C.x"], equal_nan=True)
+    with pytest.raises(assur.InputError, match="C.q"):
+        ensemble.run(outputs=["C.q"])
+
+
+def test_streams(mechanism):
+    ensemble = assur.Ensemble(mechanism, {"coupler": numpy.linspace(1.9, 3.2, 40), "rocker": 1.4}, threads=2)
+    motion = ensemble.run()
+    blocks = {}
+    ensemble.stream(lambda *rows: blocks.setdefault(rows[0], []).append(rows[1:]), columns=["C.x", "C.vy"], every=3,
+                    block=20)
+    assert set(blocks) == set(motion.rows.nonzero()[0]) and len(blocks[39]) == 4
+    for i, of in blocks.items():
+        t, values = (numpy.concatenate(part) for part in zip(*of))
+        assert (numpy.diff(t) > 0).all() and all(len(part[0]) <= 20 for part in of)
+        assert numpy.array_equal(t, motion.t[: motion.rows[i] : 3])
+        assert numpy.array_equal(values, motion.values[i, : motion.rows[i] : 3][:, [0, 3]])
+    whole = {}
+    ensemble.stream(lambda i, t, values: whole.update({i: values}), times=[0, 0.01, 0.02])
+    assert whole[5].shape == (3, len(motion.columns))
+
+    def full(*rows):
+        raise RuntimeError("the disk is full")
+
+    with pytest.raises(RuntimeError, match="disk"):
+        ensemble.stream(full)
+    with pytest.raises(assur.InputError, match="every"):
+        ensemble.stream(full, every=0)
+
+
+def test_files_of_members(tmp_path, mechanism):
+    motion = assur.Ensemble(mechanism, {"coupler": [2.9, 3.0]}).run()
+    motion.write_npy(tmp_path / "members.npy", every=10, single=True)
+    stored = numpy.load(tmp_path / "members.npy")
+    assert stored.shape == (2, 21) and stored["C.x"].dtype == numpy.float32
+    assert numpy.array_equal(stored["C.x"], motion["C.x"][:, ::10].astype(numpy.float32))
+    motion.write_csv(tmp_path / "members.csv")
+    table = numpy.genfromtxt(tmp_path / "members.csv", delimiter=",", names=True)
+    assert table.shape == (402,) and table["member"][-1] == 2 and table["Cx"][-1] == motion["C.x"][1, -1]
+    with pytest.raises(assur.MachineError, match="nowhere"):
+        motion.write_csv(tmp_path / "nowhere" / "members.csv")
+
+
+def test_a_closed_ensemble(mechanism):
+    with assur.Ensemble(mechanism, {"coupler": [2.9, 3.0]}) as ensemble:
+        motion = ensemble.run()
+        x = motion["C.x"].copy()
+    assert repr(ensemble) == "Ensemble(closed)" and numpy.array_equal(motion["C.x"], x)
+    for use in (ensemble.run, lambda: ensemble.bind({"coupler": [3]}), lambda: ensemble.outcomes, lambda: len(ensemble),
+                lambda: ensemble.stream(print), lambda: ensemble.summarize(["C.x"]), lambda: ensemble.report):
+        with pytest.raises(assur.InputError, match="closed"):
+            use()
+    ensemble.close()
+
+
 def test_members_that_fail(mechanism):
     ensemble = assur.Ensemble(mechanism, {"coupler": [3, 2.0, 0.1], "rocker": [2.5, 1.4, 0.1]})
     motion = ensemble.run()
@@ -74,6 +140,37 @@ def test_fleets():
     assert "dyad" in repr(linkages[0][3])
     with pytest.raises(assur.InputError, match="linkage 0"):
         assur.Fleet([[joint.crank(0, 1, 0, 1)]])
+
+
+def test_random_linkages():
+    times = numpy.arange(101) / 100
+    fleet = assur.Fleet.random(200, seed=5, first=1000, joints=(5, 8))
+    paths, reached, status = fleet.run(times, threads=2)
+    assert len(fleet) == 200 and 20 < status.count("ok") < 180
+    linkages = [assur.random_linkage(5, k, (5, 8)) for k in range(1000, 1200)]
+    again, _, _ = assur.Fleet(linkages).run(times)
+    assert numpy.array_equal(paths, again, equal_nan=True) and {len(joints) for joints in linkages} == {5, 6, 7, 8}
+    k = status.index("ok")
+    crank, last = linkages[k][1], linkages[k][-1]
+    assert crank.kind == "crank" and crank.first == 0 and crank.value[2] == 2 * numpy.pi and last.kind == "dyad"
+    # The path ends at the right distances from both parents of its dyad.
+    assert max(last.first, last.second) < len(linkages[k]) - 1 and isinstance(last.left, bool)
+    motion = assur.run(assur.scene_of(linkages[k], 0, 1, 0.01))
+    name = f"J{len(linkages[k]) - 1}"
+    assert numpy.allclose(paths[k], numpy.stack([motion[name + ".x"], motion[name + ".y"]], axis=1), atol=1e-9)
+    with pytest.raises(assur.InputError, match="fewest"):
+        assur.random_linkage(5, 0, (2, 8))
+
+
+def test_normal_places():
+    t = numpy.linspace(0, 2 * numpy.pi, 100, endpoint=False)
+    turn = numpy.array([[numpy.cos(0.3), numpy.sin(0.3)], [-numpy.sin(0.3), numpy.cos(0.3)]])
+    curve = numpy.stack([2 * numpy.cos(t), numpy.sin(t)], axis=1) @ turn + [5, 6]
+    frame = assur.frame_of(curve)
+    assert frame.center == pytest.approx([5, 6]) and frame.angle == pytest.approx(0.3)
+    assert frame.radius == pytest.approx(numpy.sqrt(2.5))
+    normal = assur.normalize(curve)
+    assert numpy.allclose(normal, (curve - [5, 6]) @ turn.T / frame.radius)
 
 
 def test_distances():

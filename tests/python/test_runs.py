@@ -75,6 +75,89 @@ def test_times_and_reports(tmp_path, mechanism):
         simulator.run([1, 0])
 
 
+def test_calls_of_a_control_loop_take_all_arguments(mechanism):
+    """Handles and floats take a short way; the numbers are the same as by names and keywords."""
+    prepared = assur.prepare(mechanism, controlled=["motor"])
+    a, b, c = (assur.Simulator(prepared) for _ in range(3))
+    motor, x = a.driver("motor"), a.index("C.x")
+    for k in range(1, 6):
+        a.set(motor, 0.01 * k, 2.0, 0.5)
+        b.set("motor", 0.01 * k, 2, acceleration=0.5)
+        c.set(driver=motor, value=numpy.float64(0.01 * k), rate=2.0, acceleration=0.5)
+        assert bool(a.step()) and bool(b.step()) and bool(c.step(c.time + 0.005))
+        assert a.output(x) == b.output("C.x") == c.output(column=x) == c.output(numpy.int64(x))
+    a.set(motor, 1)
+    assert a.step(t=1.0) is a.step() and a.time == 1.005
+    for wrong in (lambda: a.set(motor), lambda: a.set(motor, "1"), lambda: a.set(motor, 1, 2, 3, 4), lambda: a.output(),
+                  lambda: a.step(1, 2), lambda: a.set(motor, 1, speed=2), lambda: a.output(1.5),
+                  lambda: assur.Simulator.step(prepared), lambda: assur.Simulator.set(motor, 1, 2)):
+        with pytest.raises(TypeError):
+            wrong()
+    for wrong in (len(a.columns), -1, 2**70):
+        with pytest.raises((IndexError, TypeError)):
+            a.output(wrong)
+    a.set(motor, float("nan"))
+    status = a.step()
+    assert not status and status.code == "not_finite"
+
+    class Own(assur.Simulator):
+        def __init__(self, *options):
+            if options:
+                super().__init__(*options)
+
+    with pytest.raises(TypeError):
+        bool(assur.Status.__new__(assur.Status))
+    assert Own(prepared).step() and "__init__" in str(pytest.raises(TypeError, lambda: Own().step()).value)
+
+
+def test_laws_of_python_fail_in_steps(mechanism):
+    def law(t):
+        if t > 0.1:
+            raise RuntimeError("no more data")
+        return (t, 1.0, 0.0)
+
+    simulator = assur.Simulator(mechanism.with_laws({"motor": assur.Law.function(law)}))
+    with pytest.raises(RuntimeError, match="no more data"):
+        while simulator.step():
+            pass
+    assert 0 < simulator.time <= 0.1
+
+
+def test_files_of_a_motion(tmp_path, mechanism):
+    motion = assur.run(mechanism)
+    motion.write_npy(tmp_path / "motion.npy", every=7)
+    stored = numpy.load(tmp_path / "motion.npy")
+    assert stored.dtype.names == ("t", *motion.columns)
+    assert numpy.array_equal(stored["t"], motion.t[::7]) and numpy.array_equal(stored["C.vy"], motion["C.vy"][::7])
+    with pytest.raises(assur.InputError, match="every"):
+        motion.write_npy(tmp_path / "motion.npy", every=0)
+    with pytest.raises(assur.MachineError, match="nowhere"):
+        motion.write_csv(tmp_path / "nowhere" / "motion.csv")
+
+
+def test_a_closed_simulator(mechanism):
+    prepared = assur.prepare(mechanism, controlled=["motor"])
+    with assur.Simulator(prepared) as simulator:
+        motor = simulator.driver("motor")
+        simulator.set(motor, 0.1)
+        assert simulator.step()
+        outputs = simulator.outputs
+        row = outputs.copy()
+    gc.collect()
+    assert repr(simulator) == "Simulator(closed)" and numpy.array_equal(outputs, row)
+    for use in (simulator.step, simulator.run, simulator.reset, simulator.retreat, simulator.save,
+                lambda: simulator.set(motor, 0.2), lambda: simulator.set("motor", 0.2), lambda: simulator.output(0),
+                lambda: simulator.outputs, lambda: simulator.time, lambda: simulator.step(0.5),
+                lambda: assur.certify(simulator)):
+        with pytest.raises(assur.InputError, match="closed"):
+            use()
+    simulator.close()
+    with pytest.raises(RuntimeError, match="mine"):
+        with assur.Simulator(prepared) as simulator:
+            raise RuntimeError("mine")
+    assert repr(simulator) == "Simulator(closed)"
+
+
 def test_a_limit_ends_the_motion(mechanism):
     simulator = assur.Simulator(mechanism.with_values(rocker=1.4, coupler=2.0))
     motion = simulator.run()

@@ -51,6 +51,22 @@ void expect_summaries_of(const EnsembleTrajectory& all, const EnsembleSummary& s
   }
 }
 
+// Two columns that were kept alone, in another order.
+void expect_columns_of(const EnsembleTrajectory& all, const EnsembleTrajectory& some, std::size_t first,
+                       std::size_t second) {
+  ASSERT_EQ(some.members(), all.members());
+  ASSERT_EQ(some.columns(), (std::vector{all.columns()[first], all.columns()[second]}));
+  ASSERT_EQ(some.times(), all.times());
+  for (std::size_t i = 0; i < all.members(); ++i) {
+    EXPECT_EQ(some.rows(i), all.rows(i)) << i;
+    for (std::size_t k = 0; k < all.times().size(); ++k) {
+      const std::string what = "member " + std::to_string(i) + ", row " + std::to_string(k);
+      expect_bits(some(i, k, 0), all(i, k, first), what);
+      expect_bits(some(i, k, 1), all(i, k, second), what);
+    }
+  }
+}
+
 // The same outcomes as well.
 void expect_as_stored(std::size_t members, const SceneOf& scene, const std::string& strategy) {
   SCOPED_TRACE(scene(0).name() + ", " + strategy);
@@ -69,6 +85,12 @@ void expect_as_stored(std::size_t members, const SceneOf& scene, const std::stri
   EXPECT_EQ(e.report().counters.steps, report.counters.steps);
   EXPECT_EQ(e.report().counters.stored_values, 0);
   EXPECT_EQ(e.report().fallbacks, report.fallbacks);
+
+  const std::size_t last = all.columns().size() - 1;
+  expect_columns_of(all, e.run({all.columns()[last], all.columns()[0]}), last, 0);
+  EXPECT_EQ(e.report().fallbacks, report.fallbacks);
+  EXPECT_EQ(e.report().counters.stored_values,
+            2 * report.counters.stored_values / static_cast<std::int64_t>(all.columns().size()));
 }
 
 TEST(EnsembleSummary, EqualsTheStoredRows) {
@@ -112,6 +134,17 @@ TEST(EnsembleSummary, MembersOfATableThatEndAtTheStart) {
   expect_summaries_of(all, e.summarize(all.columns()));
 }
 
+// The others begin again at the first row, which counts once.
+TEST(EnsembleSummary, GoesOnWhenAMemberCannotTakeTheFirstStep) {
+  const SceneOf scene = [](std::size_t i) { return with_law(Law::polynomial({0, i == 1 ? 2000. : 6.5}), 8); };
+  expect_as_stored(3, scene, "groups/eigen:4");
+  Ensemble e = ensemble(3, scene, "groups/eigen:4");
+  (void)e.run();
+  EXPECT_TRUE(e.outcomes()[1].alone);
+  EXPECT_EQ(e.outcomes()[1].alone_from, 0);
+  EXPECT_FALSE(e.outcomes()[0].alone);
+}
+
 TEST(EnsembleSummary, HasMembersOfAnotherStructure) {
   const SceneOf scene = [](std::size_t i) {
     return i == 1 || i == 3 ? on_a_rail() : with_law(Law::polynomial({0, 3})).with_outputs({"B", "C"});
@@ -133,6 +166,8 @@ TEST(EnsembleSummary, TakesSomeColumnsOverGivenTimes) {
   }
   EXPECT_THROW((void)e.summarize({"no_such_column"}), Error);
   EXPECT_THROW((void)e.summarize(some, std::vector<double>{1.0}), Error);
+  expect_columns_of(all, e.run(some, times), 5, 2);
+  EXPECT_THROW((void)e.run({"no_such_column"}), Error);
 }
 
 TEST(EnsembleSummary, AnObserverStops) {

@@ -4,6 +4,7 @@
 #include <optional>
 #include <sstream>
 #include <utility>
+#include <vector>
 
 #include "assur/machine.hpp"
 #include "commands/interrupt.hpp"
@@ -12,7 +13,6 @@
 #include "db/libraries.hpp"
 #include "output/format.hpp"
 #include "output/replace_file.hpp"
-#include "output/status_text.hpp"
 #include "pictures/animation.hpp"
 
 namespace assur::command {
@@ -42,30 +42,18 @@ bool write_animation(const Prepared& prepared, const Report& report, PrepareOpti
                      std::ostream* picture, output::Progress& progress) {
   const Prepared shown = prepare(pictures::with_all_places(*prepared.scene), step_by_step(std::move(how)), modes);
   Simulator simulator(shown, limits_of(options));
-  const std::int64_t steps = prepared.time.steps();
-  pictures::Animation animation(prepared, shown, steps);
-  animation.take(0, simulator);
+  std::vector<double> times;
+  for (std::int64_t k = 0; k <= prepared.time.steps(); ++k) times.push_back(prepared.time.time(k));
 
   const Interrupt interrupt;
   const double begin = measure::StepTimes::steady();
   const bool was_interrupted = report.status.code == Code::interrupted;
-  std::string why;
-  for (std::int64_t k = 1; k <= steps && why.empty(); ++k) {
-    const double t = prepared.time.time(k);
-    if (Interrupt::requested() || (was_interrupted && t > report.reached)) {
-      why = output::explained(Code::interrupted);
-      break;
-    }
-    const Status status = simulator.step(t);
-    if (status.arrived()) {
-      animation.take(k, simulator);
-      progress.show(measure::StepTimes::steady() - begin, k, steps);
-    } else {
-      why = output::why_stopped(status, simulator.report().events, simulator.report().reached);
-    }
-  }
+  const pictures::Animation animation = pictures::animation_of(prepared, simulator, times, [&](std::int64_t k) {
+    progress.show(measure::StepTimes::steady() - begin, k - 1, prepared.time.steps());
+    const double t = times[static_cast<std::size_t>(k)];
+    return !Interrupt::requested() && !(was_interrupted && t > report.reached);
+  });
   progress.clear();
-  if (!why.empty()) animation.end(simulator, why);
   if (page != nullptr) *page << animation.page(about(prepared, options));
   if (picture != nullptr) *picture << animation.picture();
   return !Interrupt::requested();

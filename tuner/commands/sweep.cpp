@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "assur/machine.hpp"
-#include "assur/structure.hpp"
 #include "commands/commands.hpp"
 #include "commands/interrupt.hpp"
 #include "commands/run_parts.hpp"
@@ -23,7 +22,6 @@
 #include "output/progress.hpp"
 #include "output/replace_file.hpp"
 #include "pictures/sweep_page.hpp"
-#include "scene/outputs.hpp"
 #include "sweep/sweep.hpp"
 
 namespace assur::command {
@@ -279,7 +277,7 @@ int sweep(const Common& common, const SweepOptions& options) {
   for (const sweep::Range& r : space.ranges()) middle.push_back(r.low + (r.high - r.low) / 2);
   const Scene scene = scene_at(middle);
   refuse_overwriting({{"--out", options.out}, {"--html", options.html}}, scene);
-  const std::vector<std::string> columns = column_names(*analyze(scene).system);
+  const std::vector<std::string> columns = sweep::columns_of(scene);
   if (columns.empty()) refuse("--outputs", "the scene has no outputs, so that there is nothing to keep");
 
   const TimeGrid grid = scene.time();

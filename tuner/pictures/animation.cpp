@@ -10,6 +10,7 @@
 
 #include "numbers.hpp"
 #include "output/format.hpp"
+#include "output/status_text.hpp"
 #include "pictures/animation_files.hpp"
 #include "pictures/faces.hpp"
 #include "pictures/html.hpp"
@@ -184,7 +185,7 @@ void Animation::take(std::int64_t k, const Simulator& simulator) {
 
 void Animation::end(const Simulator& simulator, std::string why) {
   ended_ = "The motion ends early: " + std::move(why);
-  if (simulator.time() == times_.back()) return;
+  if (!times_.empty() && simulator.time() == times_.back()) return;
   keep(simulator);
   // The last posture is not a step of the motion, and at a fold the derivatives of outputs are unbounded.
   std::fill(values_.end() - static_cast<std::ptrdiff_t>(value_columns_.size()), values_.end(), kNan);
@@ -287,6 +288,24 @@ std::string Animation::picture() const {
   Postures postures{&drawing_, times_, points_, ways_};
   for (const Quantity& q : shown_) postures.outputs.push_back(q.output);
   return moving_picture(postures, name_);
+}
+
+Animation animation_of(const Prepared& wanted, Simulator& simulator, std::span<const double> times,
+                       const std::function<bool(std::int64_t k)>& proceed) {
+  const std::int64_t steps = static_cast<std::int64_t>(times.size()) - 1;
+  Animation animation(wanted, simulator.prepared(), steps);
+  for (std::int64_t k = 0; k <= steps; ++k) {
+    if (k > 0 && !proceed(k)) {
+      animation.end(simulator, output::explained(Code::interrupted));
+      break;
+    }
+    if (const Status status = simulator.step(times[static_cast<std::size_t>(k)]); !status.arrived()) {
+      animation.end(simulator, output::why_stopped(status, simulator.report().events, simulator.report().reached));
+      break;
+    }
+    animation.take(k, simulator);
+  }
+  return animation;
 }
 
 }  // namespace assur::pictures

@@ -3,6 +3,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -62,5 +64,10 @@ class Animation {
   std::vector<double> ways_;    // frames x way_columns_
   std::vector<double> values_;  // frames x value_columns_
 };
+
+// Moves a simulator of with_all_places() over `times` (s) and collects its postures. proceed(k): asked before the step
+// to times[k], k = 1, 2, ...; false ends the motion as interrupted.
+[[nodiscard]] Animation animation_of(const Prepared& wanted, Simulator& simulator, std::span<const double> times,
+                                     const std::function<bool(std::int64_t k)>& proceed);
 
 }  // namespace assur::pictures

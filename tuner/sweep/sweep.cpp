@@ -6,8 +6,10 @@
 #include <numeric>
 #include <utility>
 
+#include "assur/structure.hpp"
 #include "numbers.hpp"
 #include "scene/names.hpp"
+#include "scene/outputs.hpp"
 #include "side_by_side/row_takers.hpp"
 
 namespace assur::sweep {
@@ -47,6 +49,8 @@ double number_in(const std::string& text, const std::string& line) {
 }
 
 }  // namespace
+
+std::vector<std::string> columns_of(const Scene& scene) { return column_names(*analyze(scene).system); }
 
 const std::vector<std::string>& figure_names() {
   static const std::vector<std::string> kNames = {"min", "max", "min_time", "max_time", "mean", "last", "range"};
