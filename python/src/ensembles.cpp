@@ -90,19 +90,19 @@ auto run_members(const TableEnsemble& e, const std::optional<Array>& times, cons
   });
 }
 
-// Gives rows to a function of Python: (member, t, values). All threads call it.
-RowSink sink_of(const py::function& callback) {
-  return [callback = shared(callback)](const MemberRows& rows) {
-    const py::gil_scoped_acquire lock;
-    const auto count = static_cast<py::ssize_t>(rows.times.size());
-    const py::ssize_t columns = static_cast<py::ssize_t>(rows.values.size()) / count;
-    (*callback)(rows.member, Array(count, rows.times.data()), Array({count, columns}, rows.values.data()));
-  };
-}
-
 py::ssize_t size(std::size_t n) { return static_cast<py::ssize_t>(n); }
 
 }  // namespace
+
+RowSink row_sink(const py::function& callback, bool with_member) {
+  return [callback = shared(callback), with_member](const MemberRows& rows) {
+    const py::gil_scoped_acquire lock;
+    const auto count = static_cast<py::ssize_t>(rows.times.size());
+    const py::ssize_t columns = static_cast<py::ssize_t>(rows.values.size()) / count;
+    const Array times(count, rows.times.data()), values({count, columns}, rows.values.data());
+    with_member ? (*callback)(rows.member, times, values) : (*callback)(times, values);
+  };
+}
 
 void add_ensembles(py::module_& m) {
   py::class_<EnsembleTrajectory>(m, "EnsembleTrajectory", R"(The rows of all members of an ensemble, in SI units.
@@ -231,7 +231,7 @@ Returns an EnsembleTrajectory, SI units. See Simulator.run() for Ctrl-C and prog
             if (block) selection.block = *block;
             bool interrupted = false;
             run_members(e, times, progress, interrupted, [&](Ensemble& ensemble, const auto&... how) {
-              ensemble.stream(selection, sink_of(callback), how...);
+              ensemble.stream(selection, row_sink(callback, true), how...);
               return true;
             });
             if (interrupted) raise_interrupted(py::none());

@@ -102,6 +102,7 @@ PYBIND11_MODULE(_core, m) {
   add_builder(m);
   add_plans(m);
   add_simulators(m);
+  add_jacobians(m);
   add_control_loops(m);
   add_ensembles(m);
   add_fleets(m);

@@ -33,6 +33,7 @@ void add_scenes(py::module_& m);
 void add_builder(py::module_& m);
 void add_plans(py::module_& m);
 void add_simulators(py::module_& m);
+void add_jacobians(py::module_& m);
 void add_ensembles(py::module_& m);
 void add_fleets(py::module_& m);
 void add_analysis(py::module_& m);
@@ -131,6 +132,9 @@ PrepareOptions options_of(const std::string& strategy, const std::vector<std::st
 
 // A dict of groups and numbers of modes.
 std::vector<ModeChoice> choices_of(const std::map<std::string, std::size_t>& modes);
+
+// Gives rows to a function of Python: (t, values), with_member: (member, t, values). Any thread may call it.
+RowSink row_sink(const py::function& callback, bool with_member);
 
 // Raises assur.Interrupted, whose `result` is this object.
 [[noreturn]] void raise_interrupted(const py::object& result);
