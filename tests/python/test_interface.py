@@ -1,5 +1,6 @@
 """Every public name has a docstring, and is used by a test; examples in the pages run."""
 
+import ast
 import inspect
 import pathlib
 import re
@@ -33,8 +34,54 @@ def test_documented_and_used(name, item):
         assert re.search(r"\b" + name.split(".")[-1] + r"\b", TESTS), name + " is not used by a test"
 
 
+def stubs():
+    """Pairs of the name of a public function or property, and its stub."""
+    tree = ast.parse((ROOT / "python/assur/_core.pyi").read_text())
+    for node in tree.body:
+        if isinstance(node, ast.FunctionDef):
+            yield node.name, node
+        for part in node.body if isinstance(node, ast.ClassDef) else ():
+            if isinstance(part, ast.FunctionDef) and (part.name == "__init__" or not part.name.startswith("_")):
+                yield node.name + "." + part.name, part
+
+
+def annotations(stub):
+    arguments = [*stub.args.args, *stub.args.kwonlyargs]
+    parts = [a.annotation for a in arguments] + [stub.args.kwarg and stub.args.kwarg.annotation, stub.returns]
+    return " ".join(ast.unparse(part) for part in parts if part)
+
+
+def docstring(name):
+    item = assur
+    for part in name.split("."):
+        item = getattr(item, part)
+    return inspect.getdoc(item) or ""
+
+
+NUMBERS = re.compile(r"\b(float|Array|ArrayLike|Place|Anchor|AnyLaw|Parameters|NDArray\[Any\])\b")
+ARRAYS = re.compile(r"\b(Array|ArrayLike|NDArray)\b")
+UNIT = re.compile(r"(?<![\w'])(m|rad|s|Hz|rad/s|SI|SI units)(?![\w'])|\bunits?\b|\brelative\b")
+SHAPE = re.compile(r"\barrays?\s+of\s+\((\w+,|\w+(,\s\w+)+)\)")
+
+
+@pytest.mark.parametrize("name, stub", stubs(), ids=lambda x: x if isinstance(x, str) else "")
+def test_docstrings_name_units_and_shapes(name, stub):
+    """Whatever takes or gives numbers names their unit or says that there is none; whatever has arrays, their shape."""
+    doc = re.sub(r"^.*->.*$", "", docstring(name), flags=re.M)
+    if NUMBERS.search(annotations(stub)):
+        assert UNIT.search(doc), f"{name} names no unit: {doc}"
+    if ARRAYS.search(annotations(stub)):
+        assert SHAPE.search(doc), f"{name} names no shape: {doc}"
+
+
+def test_docstrings_of_the_package_name_units():
+    for name in ("run", "plot", "to_pandas", "to_xarray"):
+        assert UNIT.search(docstring(name)), name
+
+
 def pages():
-    return [page for page in [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))] if "```python\n" in page.read_text()]
+    every = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+    return [page for page in every if "```python\n" in page.read_text()]
 
 
 @pytest.mark.parametrize("page", pages(), ids=lambda page: page.name)
@@ -47,8 +94,6 @@ def test_examples_run(page, tmp_path, monkeypatch):
 
 def test_stubs_name_everything():
     """Each public name of the module is in its stub, and the other way around."""
-    import ast
-
     import assur._core
 
     tree = ast.parse((ROOT / "python/assur/_core.pyi").read_text())
