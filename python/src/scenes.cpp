@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "assur/mjcf.hpp"
 #include "module.hpp"
 
 namespace assur::python {
@@ -208,6 +209,52 @@ besides the folder of the file. Raises MachineError if the file cannot be read, 
       py::arg("content"), py::arg("name") = "scene", py::arg("folder") = Path("."), py::arg("set") = Parameters{},
       "Reads a scene from text, or from a dict with the same sections as a scene file (docs/scenes.md). `set` replaces "
       "parameters, in their units there.");
+
+  using Model = ImportedModel;
+  py::class_<Model>(m, "ImportedModel", R"(A model of MuJoCo as a scene (docs/mjcf.md).)")
+      .def_readonly("name", &Model::name, "Name of the model.")
+      .def_readonly("scene", &Model::scene, "The Scene.")
+      .def_property_readonly(
+          "coordinates",
+          [](const Model& model) {
+            std::map<std::string, std::tuple<std::string, double, bool>> out;
+            for (const Model::Coordinate& c : model.coordinates) out[c.joint] = {c.name, c.start, c.driven};
+            return out;
+          },
+          "A dict of joints and (name in the scene, value of MuJoCo at the posture as written, True if it is driven); "
+          "rad or m.")
+      .def_property_readonly(
+          "drivers",
+          [](const Model& model) {
+            std::map<std::string, std::tuple<std::string, bool>> out;
+            for (const Model::Driver& d : model.drivers) out[d.name] = {d.coordinate, d.controlled};
+            return out;
+          },
+          "A dict of drivers and (coordinate, True if it stands still unless the program sets it).")
+      .def_readonly("loops", &Model::loops, "Number of loops that equalities close.")
+      .def_property_readonly(
+          "left_out",
+          [](const Model& model) {
+            return std::map<std::string, std::size_t>(model.left_out.begin(), model.left_out.end());
+          },
+          "Kinds of elements without a meaning here, and their numbers.")
+      .def_readonly("notes", &Model::notes, "Sentences: names that were changed, loops that had to be closed.")
+      .def("__repr__", [](const Model& model) {
+        return "ImportedModel('" + model.name + "', " + plural(model.joints, "joint") + ", " +
+               plural(model.loops, "loop") + ")";
+      });
+  m.def(
+      "import_model",
+      [](const Path& file, const std::string& key, const std::map<std::string, std::string>& drive,
+         const std::vector<Path>& folders) {
+        return import_model(file, {key, {drive.begin(), drive.end()}, folders});
+      },
+      py::arg("file"), py::arg("key") = "", py::arg("drive") = std::map<std::string, std::string>{},
+      py::arg("folders") = no_folders,
+      R"(Reads a model of MuJoCo (.xml) as an ImportedModel.
+
+key: the keyframe at which the motion starts. drive: a dict of joints and laws, rad or m, as text: '0,6.28' (coefficients
+of a polynomial of time), a law of a scene file, or 'free'. folders: where tables of laws may lie.)");
 }
 
 }  // namespace assur::python

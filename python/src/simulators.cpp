@@ -214,6 +214,22 @@ meanwhile. Ctrl-C raises Interrupted, whose `result` has the rows that were done
           },
           "Plan and structure in use.")
       .def(
+          "examine",
+          [](const Session& s) {
+            const Structure& structure = *s.open().prepared().structure;
+            py::dict out;
+            for (const GroupFigures& f : s.open().examine()) {
+              py::dict of;
+              of["residual"] = f.residual;
+              of["condition"] = f.condition;
+              of["estimated_error"] = f.estimated_error;
+              out[py::str(structure.name_of(Place::group(f.group)))] = of;
+            }
+            return out;
+          },
+          "Accuracy of each group at the current posture: a dict of groups, each a dict of 'residual', 'condition' and "
+          "'estimated_error', relative to the characteristic length.")
+      .def(
           "close", [](Session& s) { s.simulator.reset(); },
           "Ends threads and returns memory; any later use raises InputError. Arrays of it stay valid.")
       .def("__enter__", [](const py::object& self) { return self; })

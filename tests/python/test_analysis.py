@@ -87,6 +87,16 @@ def test_plans_tell_their_candidates(mechanism):
         assert level in (1, 2, 3) and size > 1024 and cores >= 1
 
 
+def test_figures_of_groups(mechanism):
+    simulator = assur.Simulator(mechanism)
+    simulator.step(0.1)
+    figures = simulator.examine()
+    assert list(figures) == simulator.prepared.groups and set(figures["C"]) == {"residual", "condition", "estimated_error"}
+    # The coupler and the rocker enclose a smaller angle here than in a posture with the best condition.
+    assert figures["C"]["residual"] < 1e-14 and 1 < figures["C"]["condition"] < 100
+    assert 0 < figures["C"]["estimated_error"] < 1e-13
+
+
 def test_retreat_leaves_a_limit():
     scene = four_bar().with_values(coupler=2.0, rocker=1.4)
     simulator = assur.Simulator(scene)

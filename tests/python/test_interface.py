@@ -125,6 +125,15 @@ rows: NDArray[numpy.int64] = ensemble.run().rows
 joint = assur.LinkageJoint.ground(0, 0)
 paths, reached, status = assur.Fleet([[joint]]).run([0, 1])
 reveal = status[0].upper()
+with assur.Simulator(scene) as simulator, ensemble:
+    y: float = simulator.output("handle1")
+    ensemble.stream(lambda member, t, values: print(member, t[0], values[0, 0]), columns=["handle1"], block=5)
+    assert not assur.certify(simulator).why_not and assur.certify(motion)[0].radius < 1
+table = assur.sweep(scene, {"omega": (1, 2)}, 10, reduce=["range"])
+best: int = int(table["handle1.range"].argmax())
+modes: list[float] = assur.assembly_modes(scene)[0].conditions
+motion.plot(["handle1"])
+page: str = scene.page()
 """)
     wrong = tmp_path / "wrong.py"
     wrong.write_text("import assur\nassur.prepare(3)\n")

@@ -1,5 +1,6 @@
 import json
 import math
+import pathlib
 
 import numpy
 import pytest
@@ -167,3 +168,16 @@ def test_four_bar_closes(mechanism):
     c = numpy.stack([motion["C.x"], motion["C.y"]])
     assert numpy.allclose(numpy.hypot(*(c - b)), 3) and numpy.allclose(numpy.hypot(c[0] - 3, c[1]), 2.5)
     assert four_bar().to_json() == mechanism.to_json()
+
+
+def test_models_of_mujoco():
+    file = pathlib.Path(__file__).parents[2] / "scenes/mjcf/five_bar.xml"
+    model = assur.import_model(file, key="low", drive={"left": "0,0.3"})
+    assert model.scene.name == model.name and model.loops >= 1 and "joint" in repr(model)
+    name, start, driven = model.coordinates["left"]
+    assert driven and model.scene.drivers == list(model.drivers) and name in {c for c, _ in model.drivers.values()}
+    motion = assur.run(model.scene.with_outputs(name).with_time(0, 1, 0.1))
+    assert motion[name][-1] == pytest.approx(0.3) and start != assur.import_model(file).coordinates["left"][1]
+    assert all(count > 0 for count in model.left_out.values()) and isinstance(model.notes, list)
+    with pytest.raises(assur.InputError, match="high"):
+        assur.import_model(file, key="high")

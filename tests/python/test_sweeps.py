@@ -2,8 +2,11 @@
 
 import csv
 import json
+import os
 import pathlib
+import signal
 import subprocess
+import threading
 
 import numpy
 import pytest
@@ -67,6 +70,17 @@ def test_progress_of_a_sweep(mechanism):
     bar = Bar()
     assur.sweep(mechanism, VARY, 2500, reduce=["last"], progress=bar)
     assert bar.done == 2500
+
+
+def test_ctrl_c_keeps_the_samples_that_are_done(mechanism):
+    threading.Timer(0.5, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+    with pytest.raises(assur.Interrupted) as stopped:
+        assur.sweep(mechanism, VARY, 10**7, threads=1, reduce=["max"])
+    table = stopped.value.result
+    done = len(table["sample"])
+    assert 0 < done < 10**7 and done % 1024 == 0 and table["sample"][-1] == done - 1
+    part = assur.sweep(mechanism, VARY, 10**7, range=(0, 100), reduce=["max"])
+    assert numpy.array_equal(part["C.x.max"], table["C.x.max"][:100], equal_nan=True)
 
 
 def test_the_command_writes_the_same_numbers(tmp_path, mechanism):
