@@ -184,7 +184,8 @@ Made by scene(), sample(), read_scene(), parse_scene() or SceneBuilder. Lengths 
       R"(Opens a scene file (.json), a model of MuJoCo (.xml), or a sample: scene('stewart:legs=8', omega=2).
 
 Keyword arguments, or the dict `set`, replace parameters, in their units in the file. `folders`: where tables may lie
-besides the folder of the file. Raises MachineError if the file cannot be read, InputError with every finding if it is wrong.)");
+besides the folder of the file. Raises MachineError if the file cannot be read, InputError with every finding if it is
+wrong.)");
   m.def(
       "sample",
       [](const std::string& text, const Parameters& set, const py::kwargs& more) {
@@ -253,8 +254,8 @@ besides the folder of the file. Raises MachineError if the file cannot be read, 
       py::arg("folders") = no_folders,
       R"(Reads a model of MuJoCo (.xml) as an ImportedModel.
 
-key: the keyframe at which the motion starts. drive: a dict of joints and laws, rad or m, as text: '0,6.28' (coefficients
-of a polynomial of time), a law of a scene file, or 'free'. folders: where tables of laws may lie.)");
+key: the keyframe at which the motion starts. drive: a dict of joints and laws, rad or m, as text: '0,6.28'
+(coefficients of a polynomial of time), a law of a scene file, or 'free'. folders: where tables of laws may lie.)");
 }
 
 }  // namespace assur::python
