@@ -18,8 +18,8 @@ def target():
     return numpy.stack([1.2 + numpy.cos(angle), 1.5 + (0.45 + 0.12 * numpy.cos(angle)) * numpy.sin(angle)], axis=1)
 
 
-# Of a design: ground joints A (x, y) and D (x, y); lengths of crank, coupler and rocker; the crank's angle at t = 0; the
-# coupler point along and across the coupler, in parts of its length. m and rad.
+# Of a design: ground joints A (x, y) and D (x, y); lengths of crank, coupler and rocker; the crank's angle at t = 0;
+# the coupler point along and across the coupler, in parts of its length. m and rad.
 LOW = numpy.array([-2, -2, -2, -2, 0.1, 0.5, 0.5, 0, -1, -1])
 HIGH = numpy.array([3, 3, 4, 4, 1.5, 4, 4, 2 * numpy.pi, 2, 2])
 

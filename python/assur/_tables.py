@@ -16,7 +16,10 @@ def to_pandas(motion):
 
 
 def to_xarray(motion):
-    """An xarray.DataArray with the dimensions t and column, of an EnsembleTrajectory also member. Nothing is copied."""
+    """An xarray.DataArray with the dimensions t and column, of an EnsembleTrajectory also member; SI units.
+
+    Nothing is copied.
+    """
     import xarray
 
     coordinates = {"t": motion.t, "column": motion.columns}

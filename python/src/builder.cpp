@@ -58,8 +58,8 @@ void add_builder(py::module_& m) {
   using B = SceneBuilder;
   py::class_<B>(m, "SceneBuilder", R"(Builds a scene part by part; build() checks all parts and names every error.
 
-Places and directions are (x, y) or (x, y, z), m. A direction is the name of a vector, or a pair of names of points. Each
-method returns the builder. Names of parts are unique.)")
+Places and directions are (x, y) or (x, y, z), m. A direction is the name of a vector, or a pair of names of points.
+Each method returns the builder. Names of parts are unique.)")
       .def(py::init<std::string, int>(), py::arg("name"), py::arg("dimension"), "dimension: 2 (plane) or 3 (space).")
       .def(
           "point",
@@ -67,7 +67,7 @@ method returns the builder. Names of parts are unique.)")
             return b.add(Point{name, triple_of(at), fixed});
           },
           py::arg("name"), py::arg("at"), py::arg("fixed") = false, self,
-          "A point; `at` is a first guess unless it is fixed, and also gives lengths that are left out.")
+          "A point at `at`, m: a first guess unless it is fixed, and also gives lengths that are left out.")
       .def(
           "vector",
           [](B& b, const std::string& name, const py::sequence& at, bool fixed, bool unit) -> B& {
@@ -84,7 +84,7 @@ method returns the builder. Names of parts are unique.)")
           py::arg("name"), py::kw_only(), py::arg("base") = Names{}, py::arg("points") = py::dict(),
           py::arg("vectors") = py::dict(), py::arg("origin") = "", py::arg("frame") = Names{},
           py::arg("rigid") = Names{}, py::arg("in_ground") = false, self,
-          "A body with members: points and vectors are dicts of names and local coordinates (in_ground: ground "
+          "A body with members: points and vectors are dicts of names and local coordinates, m (in_ground: ground "
           "coordinates). Its base is `base`, `origin` and `frame`, `rigid`, or follows from joints: docs/scenes.md.")
       // ---- joints
       .def(
@@ -110,13 +110,15 @@ method returns the builder. Names of parts are unique.)")
             return b.joint(name, Cylindrical{of, to, anchor_of(at), anchor_of(axis)});
           },
           py::arg("name"), py::arg("a"), py::arg("b"), py::arg("at"), py::arg("axis"), self,
-          "Rotation about an axis and translation along it, in space; coordinates 'NAME.angle', 'NAME.displacement'.")
+          "Rotation about an axis and translation along it, in space; coordinates 'NAME.angle', rad, "
+          "'NAME.displacement', m.")
       .def(
           "spherical",
           [](B& b, const std::string& name, const std::string& of, const std::string& to, const py::object& at) -> B& {
             return b.joint(name, Spherical{of, to, anchor_of(at)});
           },
-          py::arg("name"), py::arg("a"), py::arg("b"), py::arg("at"), self, "All rotations about a point, in space.")
+          py::arg("name"), py::arg("a"), py::arg("b"), py::arg("at"), self,
+          "All rotations about a point (`at`, m), in space.")
       .def(
           "universal",
           [](B& b, const std::string& name, const std::string& of, const std::string& to, const py::object& at,
@@ -124,14 +126,15 @@ method returns the builder. Names of parts are unique.)")
             return b.joint(name, Universal{of, to, anchor_of(at), anchor_of(axis_a), anchor_of(axis_b)});
           },
           py::arg("name"), py::arg("a"), py::arg("b"), py::arg("at"), py::arg("axis_a"), py::arg("axis_b"), self,
-          "Two rotations about axes at right angles, the first fixed to a, the second to b.")
+          "Two rotations about axes at right angles through `at` (m), the first fixed to a, the second to b.")
       .def(
           "planar",
           [](B& b, const std::string& name, const std::string& of, const std::string& to,
              const py::object& normal) -> B& {
             return b.joint(name, Planar{of, to, anchor_of(normal)});
           },
-          py::arg("name"), py::arg("a"), py::arg("b"), py::arg("normal"), self, "Sliding and turning in a plane.")
+          py::arg("name"), py::arg("a"), py::arg("b"), py::arg("normal"), self,
+          "Sliding and turning in a plane; the normal is a direction without unit.")
       .def(
           "fixed",
           [](B& b, const std::string& name, const std::string& of, const std::string& to) -> B& {
@@ -161,7 +164,8 @@ method returns the builder. Names of parts are unique.)")
             return b.constrain(name, Dot{direction_of(d), direction_of(e), value});
           },
           py::arg("name"), py::arg("d"), py::arg("e"), py::arg("value") = py::none(), self,
-          "The dot product of two directions is constant (None: as written).")
+          "The dot product of two directions is constant: value in m^2, m or without unit, as of its factors (None: as "
+          "written).")
       .def(
           "parallel",
           [](B& b, const std::string& name, const py::object& d, const py::object& e) -> B& {
@@ -175,13 +179,13 @@ method returns the builder. Names of parts are unique.)")
             return b.constrain(name, Linear{{terms.begin(), terms.end()}, triple_of(value)});
           },
           py::arg("name"), py::arg("terms"), py::arg("value") = py::make_tuple(0., 0.), self,
-          "A sum of factors times points or vectors is constant.")
+          "A sum of factors (without unit) times points or vectors is constant: value in m.")
       .def(
           "coordinate",
           [](B& b, const std::string& name, const std::string& coordinate, double value) -> B& {
             return b.constrain(name, FixedCoordinate{coordinate, value});
           },
-          py::arg("name"), py::arg("coordinate"), py::arg("value") = 0., self, "One coordinate ('P.x') is constant.")
+          py::arg("name"), py::arg("coordinate"), py::arg("value") = 0., self, "One coordinate ('P.x', m) is constant.")
       .def(
           "on_line",
           [](B& b, const std::string& name, const std::string& p, const std::string& a, const py::object& d) -> B& {
@@ -202,7 +206,7 @@ method returns the builder. Names of parts are unique.)")
             return builder.constrain(name, Gear{a, b, ratio});
           },
           py::arg("name"), py::arg("a"), py::arg("b"), py::arg("ratio"), self,
-          "Two coordinates of joints move in proportion: b = ratio a.")
+          "Two coordinates of joints move in proportion: b = ratio a; no unit, m/rad or rad/m.")
       .def(
           "equations",
           [](B& b, const std::string& name, const Names& coordinates, int equations, const py::function& residual,
@@ -260,7 +264,7 @@ jacobian(x): array of (equations, coordinates). curvature(x, rates): array of (e
             return b.drive(name, DrivenCoordinate{coordinate, law}, relative);
           },
           py::arg("name"), py::arg("coordinate"), py::arg("law"), py::arg("relative") = false, self,
-          "Drives one coordinate: 'P.x', 'JOINT.angle', 'JOINT.displacement'.")
+          "Drives one coordinate: 'P.x' (m), 'JOINT.angle' (rad), 'JOINT.displacement' (m).")
       .def(
           "drive_pose",
           [](B& b, const std::string& name, const std::string& body, const std::vector<Law>& translation,
@@ -299,14 +303,16 @@ jacobian(x): array of (equations, coordinates). curvature(x, rates): array of (e
           [](B& b, const std::string& name, const std::map<std::string, double>& terms, double constant) -> B& {
             return b.measure(name, Combination{{terms.begin(), terms.end()}, constant});
           },
-          py::arg("name"), py::arg("terms"), py::arg("constant") = 0., self, "Multiples of measures, and a constant.")
+          py::arg("name"), py::arg("terms"), py::arg("constant") = 0., self,
+          "Multiples of measures (factors without unit), and a constant in their unit.")
       .def(
           "limit",
           [](B& b, const std::string& quantity, double min, double max, bool ends) -> B& {
             return b.limit(quantity, min, max, ends ? Limit::Reaction::end : Limit::Reaction::flag);
           },
           py::arg("quantity"), py::arg("min") = -HUGE_VAL, py::arg("max") = HUGE_VAL, py::arg("ends") = true, self,
-          "Limits of a measure or of a coordinate of a joint. ends: the motion ends there; else an event reports it.")
+          "Limits of a measure or of a coordinate of a joint, rad or m. ends: the motion ends there; else an event "
+          "reports it.")
       .def(
           "group",
           [](B& b, const std::string& name, const Names& unknowns, bool keep) -> B& {

@@ -123,7 +123,7 @@ result: nothing is copied, and they cannot be written.)")
             const auto& e = self.cast<const EnsembleTrajectory&>();
             return view(e.values().data(), {size(e.members()), size(e.times().size()), size(e.columns().size())}, self);
           },
-          "All outputs: an array of (members, times, columns).")
+          "All outputs: an array of (members, times, columns), SI units.")
       .def_property_readonly(
           "rows",
           [](const EnsembleTrajectory& e) {
@@ -201,7 +201,8 @@ result: nothing is copied, and they cannot be written.)")
 Names are parameters of the scene, or numbers as written: 'P.x', 'P.y', 'P.z' of a point or joint, 'C' of a constraint.
 SI units. No scene is made for a member. Members that cannot be assembled are outcomes.)")
       .def("bind", &TableEnsemble::bind, py::arg("values"),
-           "Other values of the same names, for any number of members. Takes 0.1 us or so a member when they run.")
+           "Other values of the same names, SI units: arrays of (members,), or numbers. Takes 0.1 us or so a member "
+           "when they run.")
       .def(
           "run",
           [](const TableEnsemble& e, const std::optional<Array>& times, const std::optional<Names>& outputs,
@@ -273,7 +274,8 @@ member in theirs. An exception of the callback ends the run. For less work per r
           py::arg("columns"), py::arg("times") = py::none(), py::kw_only(), py::arg("progress") = py::none(),
           "Runs all members and keeps figures of these columns: a dict of columns, each a dict of 'minimum', "
           "'maximum', "
-          "'minimum_time', 'maximum_time', 'mean' and 'last', arrays of (members,). NaN where a member has no row.")
+          "'minimum_time', 'maximum_time', 'mean' and 'last', arrays of (members,), SI units. NaN where a member has "
+          "no row. times: an array of (times,), s.")
       .def("__len__", [](const TableEnsemble& e) { return e.open().members(); })
       .def_readonly("names", &TableEnsemble::names, "Names of the values.")
       .def_property_readonly(

@@ -71,17 +71,19 @@ std::vector<PlanePoint> curve_of(const Array& points) {
 
 void add_fleets(py::module_& m) {
   py::class_<LinkageJoint>(m, "LinkageJoint", R"(A joint of a planar linkage. Lengths in m, angles in rad.)")
-      .def_static("ground", &LinkageJoint::ground, py::arg("x"), py::arg("y"), "A fixed joint.")
+      .def_static("ground", &LinkageJoint::ground, py::arg("x"), py::arg("y"), "A fixed joint at (x, y), m.")
       .def_static("crank", &LinkageJoint::crank, py::arg("first"), py::arg("radius"), py::arg("angle"),
                   py::arg("speed"), "Turns about the joint `first`: at time t its angle is angle + speed t (rad/s).")
-      .def_static("dyad", &LinkageJoint::dyad, py::arg("first"), py::arg("second"), py::arg("to_first"),
-                  py::arg("to_second"), py::arg("left"),
-                  "At two distances from two joints, on the left or right of the line from the first to the second.")
+      .def_static(
+          "dyad", &LinkageJoint::dyad, py::arg("first"), py::arg("second"), py::arg("to_first"), py::arg("to_second"),
+          py::arg("left"),
+          "At two distances (m) from two joints, on the left or right of the line from the first to the second.")
       .def_static("point", &LinkageJoint::point, py::arg("first"), py::arg("second"), py::arg("along"),
-                  py::arg("across"), "On a link that holds both joints: along and across in parts of their distance.")
+                  py::arg("across"),
+                  "On a link that holds both joints: along and across in parts of their distance, without unit.")
       .def_static(
           "triad", &LinkageJoint::triad, py::arg("first"), py::arg("to_first"), py::arg("x"), py::arg("y"),
-          "One of three joints in a row on one link, at a distance from a joint; x, y in an approximate posture.")
+          "One of three joints in a row on one link, at a distance from a joint; x, y in an approximate posture; m.")
       .def_property_readonly("kind", &kind_of, "'ground', 'crank', 'dyad', 'point' or 'triad'.")
       .def_readonly("first", &LinkageJoint::first, "Index of the first parent.")
       .def_readonly("second", &LinkageJoint::second, "Index of the second parent.")

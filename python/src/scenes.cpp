@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "assur/mjcf.hpp"
 #include "module.hpp"
 
 namespace assur::python {
@@ -41,12 +42,12 @@ void add_scenes(py::module_& m) {
 
 A number or a sequence of coefficients c0, c1, ... stands for a law wherever one is expected.)")
       .def(py::init<>(), "The law that is 0.")
-      .def(py::init([](double value) { return Law::constant(value); }), py::arg("value"), "A constant.")
+      .def(py::init([](double value) { return Law::constant(value); }), py::arg("value"), "A constant, SI units.")
       .def(py::init([](std::vector<double> c) { return Law::polynomial(std::move(c)); }), py::arg("coefficients"),
-           "The polynomial c0 + c1 t + c2 t**2 + ... of the absolute time.")
+           "The polynomial c0 + c1 t + c2 t**2 + ... of the absolute time t (s); SI units.")
       .def_static(
           "polynomial", [](std::vector<double> c) { return Law::polynomial(std::move(c)); }, py::arg("coefficients"),
-          "c0 + c1 t + c2 t**2 + ... of the absolute time t.")
+          "c0 + c1 t + c2 t**2 + ... of the absolute time t (s); SI units.")
       .def_static(
           "harmonic",
           [](double amplitude, double frequency, double phase, double offset) {
@@ -60,7 +61,8 @@ A number or a sequence of coefficients c0, c1, ... stands for a law wherever one
             return Law::table(numbers(time), numbers(value), periodic);
           },
           py::arg("time"), py::arg("value"), py::arg("periodic") = false,
-          "A cubic spline through the points (time[i], value[i]); time in s, ascending. Fast: no Python is called.")
+          "A cubic spline through the points (time[i], value[i]), both arrays of (points,): s, ascending, and SI "
+          "units. Fast: no Python is called.")
       .def_static(
           "function",
           [](const py::function& motion, double tolerance) {
@@ -163,7 +165,8 @@ Made by scene(), sample(), read_scene(), parse_scene() or SceneBuilder. Lengths 
             }
             return out;
           },
-          py::arg("laws"), "The same mechanism with other laws: a dict of drivers (of a pose 'pose.x', ...) and laws.")
+          py::arg("laws"),
+          "The same mechanism with other laws: a dict of drivers (of a pose 'pose.x', ...) and laws, rad or m.")
       .def(
           "to_json", [](const Scene& s) { return write_scene(s); }, "The scene as text of a scene file.")
       .def(
@@ -180,20 +183,23 @@ Made by scene(), sample(), read_scene(), parse_scene() or SceneBuilder. Lengths 
       py::arg("what"), py::arg("set") = Parameters{}, py::arg("folders") = no_folders,
       R"(Opens a scene file (.json), a model of MuJoCo (.xml), or a sample: scene('stewart:legs=8', omega=2).
 
-Keyword arguments, or the dict `set`, replace parameters. `folders`: where tables may lie besides the folder of the
-file. Raises MachineError if the file cannot be read, InputError with every finding if it is wrong.)");
+Keyword arguments, or the dict `set`, replace parameters, in their units in the file. `folders`: where tables may lie
+besides the folder of the file. Raises MachineError if the file cannot be read, InputError with every finding if it is
+wrong.)");
   m.def(
       "sample",
       [](const std::string& text, const Parameters& set, const py::kwargs& more) {
         return sample(text, parameters_of(set, more));
       },
-      py::arg("text"), py::arg("set") = Parameters{}, "Makes a sample mechanism: 'stewart', 'four_bar:64', ...");
+      py::arg("text"), py::arg("set") = Parameters{},
+      "Makes a sample mechanism: 'stewart', 'four_bar:64', ... Options as in the text, SI units.");
   m.def(
       "read_scene",
       [](const Path& file, const Parameters& set, const std::vector<Path>& folders) {
         return read_scene(file, set, folders);
       },
-      py::arg("file"), py::arg("set") = Parameters{}, py::arg("folders") = no_folders, "Reads a scene file (JSON).");
+      py::arg("file"), py::arg("set") = Parameters{}, py::arg("folders") = no_folders,
+      "Reads a scene file (JSON). `set` replaces parameters, in their units in the file.");
   m.def(
       "parse_scene",
       [](const py::object& content, const std::string& name, const Path& folder, const Parameters& set) {
@@ -202,7 +208,54 @@ file. Raises MachineError if the file cannot be read, InputError with every find
         return parse_scene(text.cast<std::string>(), name, folder, set);
       },
       py::arg("content"), py::arg("name") = "scene", py::arg("folder") = Path("."), py::arg("set") = Parameters{},
-      "Reads a scene from text, or from a dict with the same sections as a scene file (docs/scenes.md).");
+      "Reads a scene from text, or from a dict with the same sections as a scene file (docs/scenes.md). `set` replaces "
+      "parameters, in their units there.");
+
+  using Model = ImportedModel;
+  py::class_<Model>(m, "ImportedModel", R"(A model of MuJoCo as a scene (docs/mjcf.md).)")
+      .def_readonly("name", &Model::name, "Name of the model.")
+      .def_readonly("scene", &Model::scene, "The Scene.")
+      .def_property_readonly(
+          "coordinates",
+          [](const Model& model) {
+            std::map<std::string, std::tuple<std::string, double, bool>> out;
+            for (const Model::Coordinate& c : model.coordinates) out[c.joint] = {c.name, c.start, c.driven};
+            return out;
+          },
+          "A dict of joints and (name in the scene, value of MuJoCo at the posture as written, True if it is driven); "
+          "rad or m.")
+      .def_property_readonly(
+          "drivers",
+          [](const Model& model) {
+            std::map<std::string, std::tuple<std::string, bool>> out;
+            for (const Model::Driver& d : model.drivers) out[d.name] = {d.coordinate, d.controlled};
+            return out;
+          },
+          "A dict of drivers and (coordinate, True if it stands still unless the program sets it).")
+      .def_readonly("loops", &Model::loops, "Number of loops that equalities close.")
+      .def_property_readonly(
+          "left_out",
+          [](const Model& model) {
+            return std::map<std::string, std::size_t>(model.left_out.begin(), model.left_out.end());
+          },
+          "Kinds of elements without a meaning here, and their numbers.")
+      .def_readonly("notes", &Model::notes, "Sentences: names that were changed, loops that had to be closed.")
+      .def("__repr__", [](const Model& model) {
+        return "ImportedModel('" + model.name + "', " + plural(model.joints, "joint") + ", " +
+               plural(model.loops, "loop") + ")";
+      });
+  m.def(
+      "import_model",
+      [](const Path& file, const std::string& key, const std::map<std::string, std::string>& drive,
+         const std::vector<Path>& folders) {
+        return import_model(file, {key, {drive.begin(), drive.end()}, folders});
+      },
+      py::arg("file"), py::arg("key") = "", py::arg("drive") = std::map<std::string, std::string>{},
+      py::arg("folders") = no_folders,
+      R"(Reads a model of MuJoCo (.xml) as an ImportedModel.
+
+key: the keyframe at which the motion starts. drive: a dict of joints and laws, rad or m, as text: '0,6.28'
+(coefficients of a polynomial of time), a law of a scene file, or 'free'. folders: where tables of laws may lie.)");
 }
 
 }  // namespace assur::python

@@ -73,7 +73,7 @@ Arrays show the memory of the trajectory: nothing is copied, and they cannot be 
             return view(t.values().data(),
                         {static_cast<py::ssize_t>(t.rows()), static_cast<py::ssize_t>(t.columns().size())}, self);
           },
-          "All outputs: an array of (rows, columns).")
+          "All outputs: an array of (rows, columns), SI units.")
       .def("__getitem__", &column_of, py::arg("column"), "One output over time: an array of (rows,).")
       .def("__len__", &Trajectory::rows)
       .def("__contains__",
@@ -127,7 +127,7 @@ A simulator serves one thread at a time; different simulators run in different t
            R"(Begins at the start posture of a Prepared (or of a Scene, which is prepared with default options).
 
 iterations: a fixed number of Newton iterations (0: until they converge). most_iterations: a step is divided if it needs
-more. seconds: time limit of one step; 0: none. pin_to: processors for the threads.)")
+more. seconds: time limit of one step, s; 0: none. pin_to: processors for the threads.)")
       .def_property_readonly(
           "time", [](const Session& s) { return s.open().time(); }, "Time of the current posture, s.")
       // set(), step() and output() are documented in control_loops.cpp.
@@ -169,7 +169,8 @@ more. seconds: time limit of one step; 0: none. pin_to: processors for the threa
                                    [](void* p) { delete static_cast<std::shared_ptr<Simulator>*>(p); });
             return view(row.data(), {static_cast<py::ssize_t>(row.size())}, keep);
           },
-          "All outputs at the current time: an array of (columns,) that shows the memory of the simulator, and so "
+          "All outputs at the current time, SI units: an array of (columns,) that shows the memory of the simulator, "
+          "and so "
           "changes with each step.")
       .def(
           "run",
@@ -187,7 +188,8 @@ more. seconds: time limit of one step; 0: none. pin_to: processors for the threa
             return out;
           },
           py::arg("times") = py::none(), py::kw_only(), py::arg("progress") = py::none(),
-          R"(Runs from the start posture over the time grid of the scene, or over `times` (s, ascending).
+          R"(Runs from the start posture over the time grid of the scene, or over `times`, an array
+of (times,), s, ascending.
 
 Returns a Trajectory with the rows that were reached; report.status tells why it ended. Other threads of Python go on
 meanwhile. Ctrl-C raises Interrupted, whose `result` has the rows that were done. progress: tqdm, or a bar of it.)")
@@ -211,6 +213,22 @@ meanwhile. Ctrl-C raises Interrupted, whose `result` has the rows that were done
             return Ready{s.open().prepared(), s.modes};
           },
           "Plan and structure in use.")
+      .def(
+          "examine",
+          [](const Session& s) {
+            const Structure& structure = *s.open().prepared().structure;
+            py::dict out;
+            for (const GroupFigures& f : s.open().examine()) {
+              py::dict of;
+              of["residual"] = f.residual;
+              of["condition"] = f.condition;
+              of["estimated_error"] = f.estimated_error;
+              out[py::str(structure.name_of(Place::group(f.group)))] = of;
+            }
+            return out;
+          },
+          "Accuracy of each group at the current posture: a dict of groups, each a dict of 'residual', 'condition' and "
+          "'estimated_error', relative to the characteristic length.")
       .def(
           "close", [](Session& s) { s.simulator.reset(); },
           "Ends threads and returns memory; any later use raises InputError. Arrays of it stay valid.")
