@@ -3,6 +3,8 @@
 import builtins
 import html
 import re
+import shutil
+import time
 
 import pytest
 
@@ -81,3 +83,34 @@ def test_plots(mechanism, monkeypatch):
     monkeypatch.setattr(builtins, "__import__", without)
     with pytest.raises(assur.MachineError, match="matplotlib"):
         motion.plot()
+
+
+def test_a_frame_in_a_browser(tmp_path, mechanism):
+    """The mechanism moves in a frame that gets its size later, and its styles do not reach the notebook around it."""
+    webdriver = pytest.importorskip("selenium.webdriver")
+    chromium = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+    if not chromium or not shutil.which("chromedriver"):
+        pytest.skip("no Chromium")
+    options = webdriver.ChromeOptions()
+    options.binary_location = chromium
+    for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--window-size=1000,1000"):
+        options.add_argument(argument)
+    browser = webdriver.Chrome(service=webdriver.chrome.service.Service(shutil.which("chromedriver")), options=options)
+    try:
+        size = "width: 100%; height: 900px"
+        frame = mechanism._repr_html_().replace(size, "width: 0; height: 0")
+        body = "<body style='margin: 3px'><h1>Notebook</h1>"
+        (tmp_path / "notebook.html").write_text("<!DOCTYPE html>" + body + frame)
+        browser.get((tmp_path / "notebook.html").as_uri())
+        browser.execute_script(f"document.querySelector('iframe').style = '{size}'")
+        assert browser.execute_script("return getComputedStyle(document.body).margin") == "3px"
+        browser.switch_to.frame(browser.find_element("tag name", "iframe"))
+        clock = "return document.getElementById('clock').textContent"
+        deadline = time.monotonic() + 20
+        while time.monotonic() < deadline and browser.execute_script(clock) in ("", "t = 0 s"):
+            time.sleep(0.1)
+        assert re.fullmatch(r"t = 0\.\d+ s", browser.execute_script(clock)), "nothing moves"
+        pixels = "const c = document.getElementById('picture'); return c.getContext('2d').getImageData(0, 0, c.width, "
+        assert browser.execute_script(pixels + "c.height).data.some(v => v != 0)"), "the picture is empty"
+    finally:
+        browser.quit()

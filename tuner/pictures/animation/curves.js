@@ -94,6 +94,7 @@ class Curves {
   }
 
   draw(frame) {
+    if (this.canvas.width === 0 || this.canvas.height === 0) return;  // in a frame that has no size yet
     const c = this.canvas.getContext('2d');
     c.save();
     c.resetTransform();  // to pixels
