@@ -47,7 +47,7 @@ scipy.sparse.csc_matrix((j.data, j.indices, j.indptr), j.shape) is the matrix.)"
           "indices", [](const Constraints& j) { return indices(j.row); }, "Their rows: an array of (entries,).")
       .def_property_readonly(
           "indptr", [](const Constraints& j) { return indices(j.column_start); },
-          "The first entry of each column: an array of (unknowns + 1,).")
+          "The first entry of each column, and the end: an array of (starts,), one more than there are unknowns.")
       .def("__repr__", [](const Constraints& j) {
         return "ConstraintJacobian(" + plural(j.equations.size(), "equation") + ", " +
                plural(j.unknowns.size(), "unknown") + ")";
