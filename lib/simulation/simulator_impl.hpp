@@ -1,0 +1,442 @@
+// What a simulator and a saved state hold.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "assur/simulator.hpp"
+#include "errors/error_estimate.hpp"
+#include "group/step_rules.hpp"
+#include "index.hpp"
+#include "numbers.hpp"
+#include "path/continuation.hpp"
+#include "path/function_check.hpp"
+#include "scene/outputs.hpp"
+#include "side_by_side/run_in_parts.hpp"
+#include "signals/angle_turns.hpp"
+#include "signals/columns.hpp"
+#include "signals/output_program.hpp"
+#include "simulation/output_slopes.hpp"
+
+namespace assur {
+
+struct SimulatorState::Impl {
+  struct Snapshot {
+    std::shared_ptr<const Prepared> first, prepared;  // at the start of the run; now, perhaps with other equations
+    Continuation::Snapshot motion;
+    ErrorEstimate::Snapshot estimate;
+    std::int64_t branch_checks = 0;
+    Status verdict, doubt;
+    std::vector<double> row;
+    std::vector<double> divisors;
+    bool in_one_piece = true;  // the posture was reached by a step that was not divided
+  };
+  Snapshot now;
+  // For Simulator::retreat() if the step was divided, else without meaning. Simulators and states share no snapshots,
+  // so that a simulator may write to its own ones and allocates none.
+  Snapshot inside;
+};
+
+struct Simulator::Impl {
+  using Snapshot = SimulatorState::Impl::Snapshot;
+
+  static constexpr std::size_t kEventsReserved = 64;
+  static constexpr std::size_t kMostEvents = 1000;  // of single steps; then the older half is dropped
+  // Only this part of the accuracy is used: conditions may grow before they are measured again, independently at each
+  // level.
+  static constexpr double kMargin = 16;
+  static constexpr int kMostLevels = 8;     // further levels are ignored
+  static constexpr double kLoosest = 1e-6;  // largest residual at which an equation counts as solved
+
+  // start() or restore() sets the posture.
+  Impl(std::shared_ptr<const Prepared> p, StepLimits l)
+      : owned(std::move(p)),
+        prepared(*owned),
+        first(owned),
+        limits(l),
+        structure(*prepared.structure),
+        system(*structure.system),
+        motion(prepared, limits, report),
+        columns(column_names(system)),
+        outputs(system, motion.layout().address),
+        turns(outputs),
+        estimate(structure, motion.layout(), {&outputs, 1}, prepared.plan.accuracy),
+        functions(structure, system, motion.layout().address) {
+    std::vector<std::uint8_t> read(motion.layout().size, 0);
+    outputs.mark(read);
+    outputs.find_rows(motion.layout().size);
+    motion.keep_what_is_read(std::move(read));
+    motion.follow(turns);
+    row.resize(columns.size());
+    divisors.resize(outputs.measures());
+    motion.before_dividing([this] { keep_start_of_step(); });
+    for (auto* kept : {&inside, &divided}) *kept = std::make_unique<Snapshot>();
+    clear();
+  }
+  Impl(std::shared_ptr<const Prepared> p, StepLimits l, double start_time) : Impl(std::move(p), l) {
+    start(start_time, structure.start);
+  }
+
+  void clear() {
+    report = Report{};
+    reselections = 0;
+    earlier_effort = {};
+    earlier_error = {};
+    own_lines = 0;
+    report.events.reserve(kEventsReserved);
+    const System* const of[] = {&system};
+    estimate.restart(of);
+    functions.restart();
+    doubt = verdict = {};
+    in_one_piece = true;
+    began = nullptr;
+  }
+
+  // Starts from a posture (all coordinates) at a time: the start of the run, or another posture of the same motion.
+  // before: the motion up to this posture, with another set of the redundant equations.
+  void start(double time, const std::vector<double>& posture, Impl* before = nullptr) {
+    clear();
+    motion.start(time, posture, before != nullptr ? &before->motion : nullptr);
+    if (before == nullptr) {
+      fill_row();
+      judge();
+      (void)tell_verdict(time);
+      for (auto* kept : {&inside, &divided}) save(**kept, false);  // so that steps allocate nothing
+      return;
+    }
+    turns.continue_from(before->row);
+    fill_row();
+    estimate.continue_from(before->estimate);
+    doubt = before->doubt;
+    verdict = before->verdict;
+  }
+
+  // ---- one step
+
+  // Bounds the memory of a control loop.
+  void drop_old_events() {
+    if (report.events.size() < kMostEvents) return;
+    const std::size_t dropped = report.events.size() - kMostEvents / 2;
+    report.events.erase(report.events.begin(), report.events.begin() + static_cast<std::ptrdiff_t>(dropped));
+    report.dropped_events += static_cast<std::int64_t>(dropped);
+  }
+
+  void begin_step() {
+    began = nullptr;
+    motion.count_rejected_from(0);
+  }
+
+  Status step_to(double t, bool may_reselect) {
+    Stride stride;
+    return step_to(t, may_reselect, stride);
+  }
+
+  Status step_to(double t, bool may_reselect, Stride& stride) {
+    const double from = motion.time();
+    Status status;
+    try {
+      status = motion.step_to(t, may_reselect, stride);
+    } catch (...) {
+      if (motion.time() != from) fill_row();
+      if (began != nullptr) in_one_piece = false;
+      throw;
+    }
+    if (motion.time() != from) fill_row();
+    if (t != from) report.status = status.ok() ? doubt : status;
+    return status;
+  }
+
+  // ---- functions of the program
+
+  // Checks the functions before a step to t. If one of them is wrong, nothing moves.
+  Status check_functions(double t) {
+    const double from = motion.time();
+    if (functions.empty() || t == from || !std::isfinite(t)) return {};
+    const double* const q[3] = {motion.at(0), motion.at(1), motion.at(2)};
+    const auto asked = [&](std::size_t input, std::size_t k) { return motion.inputs().follows_law(input, k); };
+    std::optional<Event> found = functions.before_step(from, t, q, asked);
+    if (!found) return {};
+    report.status = doubt = {found->kind, {}, found->figure};
+    report.events.push_back(std::move(*found));
+    motion.inputs().drop_pending();
+    return report.status;
+  }
+
+  // ---- accuracy
+
+  // Checks whether the posture that was reached from time `from` has the required accuracy.
+  Status check_accuracy(double from) {
+    const double* const q[3] = {motion.at(0), motion.at(1), motion.at(2)};
+    const double* const divided_by = divisors.data();
+    if (estimate.due(report.counters.branch_checks, q, motion.errors().worst(), {&divided_by, 1})) judge();
+    return verdict.ok() && !motion.turn_guessed() ? Status{} : tell_verdict(from);
+  }
+
+  Status tell_verdict(double from) {
+    Status s = verdict;
+    if (motion.turn_guessed()) {  // the opposite sense of rotation gives an angle that differs by a whole turn
+      s = {Code::inaccurate, s.where, std::max(s.figure, kTurn)};
+      ErrorFigures turn;
+      turn.estimated_position = kTurn;
+      earlier_error.merge(turn);
+    }
+    if (s.ok()) return {};
+    record_doubt(report.events, {from, motion.time(), structure.name_of(s.where), s.code, s.figure,
+                                 without_derivatives(columns, row)});
+    if (doubt.ok()) {
+      doubt = s;
+      if (report.status.arrived()) report.status = doubt;
+    }
+    return s;
+  }
+
+  void judge() {
+    measure();
+    if (estimate.in_doubt() && motion.converged() > estimate.best() && motion.polish(estimate.best())) {
+      fill_row();
+      measure();
+    }
+    double converged = kConverged;
+    if (prepared.plan.accuracy > 0) {
+      const double margin = kMargin * std::clamp(structure.levels, 1, kMostLevels);
+      converged = std::clamp(estimate.residual_for(prepared.plan.accuracy / margin), kConverged, kLoosest);
+    }
+    // Solves as exactly as possible if errors are in doubt otherwise.
+    if (motion.converged() == 0 && estimate.close_to_doubt()) converged = 0;
+    motion.converge_to(converged);
+    estimate.loosen(converged > kConverged);
+    settle();
+  }
+
+  // Adds the measurement to the errors of the run, and makes it the status of the step.
+  void settle() {
+    estimate.keep();
+    verdict = {};
+    if (!estimate.in_doubt()) return;
+    const auto [pack, lane] = estimate.worst_of();
+    const std::span<const Pack> packs = motion.packs();
+    verdict = {Code::inaccurate, packs.empty() ? Place{} : Place::group(packs[pack].groups[idx(lane)]),
+               estimate.now().worst()};
+  }
+
+  void measure() {
+    const double* const q[3] = {motion.at(0), motion.at(1), motion.at(2)};
+    const double now = motion.time();
+    const double *const of = row.data(), *const divided_by = divisors.data();
+    estimate.measure({&now, 1}, q, {&of, 1}, {&divided_by, 1}, [&](const auto& work) { motion.levels().each(work); });
+  }
+
+  std::vector<GroupFigures> examine() {
+    measure();
+    settle();
+    (void)tell_verdict(motion.time());
+    std::vector<GroupFigures> all(structure.groups.size());
+    for (Pack& pack : motion.packs()) {
+      GroupSolver& solver = motion.levels().solver(pack);
+      const GroupHealth health = solver.examine(pack, motion.at(0));
+      const std::size_t w = idx(solver.lanes());
+      for (std::size_t lane = 0; lane < pack.groups.size(); ++lane) {
+        GroupFigures& of = all[idx(pack.groups[lane])];
+        of = {pack.groups[lane], health.residual[lane], health.condition[lane], 0};
+        for (std::size_t i = 0; i < idx(solver.program().n); ++i) {
+          of.estimated_error = std::max(of.estimated_error, estimate.of_coordinate(pack.unknowns + i * w + lane));
+        }
+      }
+    }
+    return all;
+  }
+
+  // ---- going back
+
+  void save(Snapshot& into, bool in_step) {
+    into.first = first;
+    into.prepared = owned;
+    motion.save(into.motion, in_step);
+    estimate.save(into.estimate);
+    into.branch_checks = report.counters.branch_checks;
+    into.verdict = verdict;
+    into.doubt = doubt;
+    into.row = row;
+    into.divisors = divisors;
+    into.in_one_piece = in_one_piece;
+  }
+
+  // The equations must be the same.
+  void restore(const Snapshot& from) {
+    motion.restore(from.motion);
+    estimate.restore(from.estimate, report.counters.branch_checks - from.branch_checks);
+    verdict = from.verdict;
+    doubt = from.doubt;
+    row = from.row;
+    divisors = from.divisors;
+    in_one_piece = from.in_one_piece;
+  }
+
+  // Called before a step is divided or fails.
+  void keep_start_of_step() {
+    if (began != nullptr) return;
+    Snapshot& kept = in_one_piece ? *inside : *divided;
+    save(kept, true);
+    began = &kept;
+  }
+
+  // Takes the results of another simulator, which has other equations of the same scene.
+  void take_over(Impl& other) {
+    first = other.first;
+    other.drop_own_lines();
+    report = std::move(other.report);
+    reselections = other.reselections;
+    first_reselection = other.first_reselection;
+    earlier_error = other.earlier_error;
+    earlier_effort = other.earlier_effort;
+    earlier_effort += other.motion.levels().effort();
+    in_one_piece = other.in_one_piece;
+    inside = std::move(other.inside);
+    divided = std::move(other.divided);
+    began = other.began;
+    motion.count_rejected_from(other.motion.rejected());
+  }
+
+  // Restores the simulator with the equations of that time.
+  static void restore(std::unique_ptr<Impl>& impl, const Snapshot& from) {
+    if (impl->structure.checks != from.prepared->structure->checks) {
+      auto next = std::make_unique<Impl>(from.prepared, impl->limits);
+      next->motion.restart_solvers();
+      next->take_over(*impl);
+      impl = std::move(next);
+    }
+    impl->restore(from);
+  }
+
+  // ---- redundant equations
+
+  // The same motion with another independent set of the redundant equations, chosen at the last accepted posture. Null
+  // if that set is the current one, or if it cannot be started there.
+  std::unique_ptr<Impl> reselected() {
+    try {
+      Prepared chosen = prepared.reselect(motion.posture(), motion.time());
+      if (chosen.structure->checks != structure.checks) {
+        chosen.reselect = prepared.reselect;
+        auto next = std::make_unique<Impl>(std::make_shared<const Prepared>(std::move(chosen)), limits);
+        next->start(motion.time(), next->structure.start, this);
+        const ErrorFigures there = next->report.error;
+        next->take_over(*this);
+        next->report.error.merge(there);
+        if (next->reselections++ == 0) next->first_reselection = motion.time();
+        return next;
+      }
+    } catch (const Error&) {  // no other set can be started here
+    }
+    motion.keep_set();
+    return nullptr;
+  }
+
+  // Chooses another set before the current one is close to being dependent.
+  std::unique_ptr<Impl> reselected_if_poor() {
+    return prepared.reselect && motion.set_is_poor() ? reselected() : nullptr;
+  }
+
+  // ---- results
+
+  void drop_own_lines() { report.fallbacks.resize(report.fallbacks.size() - std::exchange(own_lines, 0)); }
+
+  // Reports the unplanned work of the solvers, as a sum and in words.
+  void report_effort() {
+    Effort sum = earlier_effort;
+    sum += motion.levels().effort();
+    report.effort = sum;
+    drop_own_lines();
+    if (reselections > 0) {
+      const std::string times =
+          reselections == 1 ? "" : ", and " + std::to_string(reselections - 1) + " times later on";
+      report.fallbacks.push_back("t = " + std::to_string(first_reselection) + " s" + times +
+                                 ": another independent set of the redundant equations was chosen");
+      ++own_lines;
+    }
+    const auto say = [&](std::int64_t count, const std::string& what) {
+      if (count == 0) return;
+      report.fallbacks.push_back(std::to_string(count) + what);
+      ++own_lines;
+    };
+    say(report.counters.level_by_level, " attempts at a step solved level after level instead of together");
+    say(sum.redone, " factorisations of one lane with its own pivots, because the pivots of the class failed");
+    say(sum.renewed, " pivot orders chosen again, because the earlier ones failed repeatedly");
+    say(sum.unplanned, " solutions of one lane refined, because the pivots had grown");
+    say(sum.in_double, " factorisations of one lane in double, because refinement from float did not converge");
+  }
+
+  void report_estimate() {
+    if (!estimate.measured()) return;
+    ErrorFigures all = estimate.of_run();
+    all.merge(earlier_error);
+    report.error.estimated_position = all.estimated_position;
+    report.error.estimated_velocity = all.estimated_velocity;
+    report.error.estimated_acceleration = all.estimated_acceleration;
+  }
+
+  void fill_row() {
+    const double* const q[3] = {motion.at(0), motion.at(1), motion.at(2)};
+    motion.levels().share(row.size(), [&](std::size_t part, std::size_t parts) {
+      outputs.evaluate(q, row.data(), turns.turns(), divisors.data(), part, parts);
+    });
+    outputs.add_up(row.data());
+  }
+
+  // Sets the outputs of the current posture, which are known.
+  void stands_at(std::span<const double> outputs_there) {
+    std::copy(outputs_there.begin(), outputs_there.end(), row.begin());
+    turns.continue_from(row);
+  }
+
+  // Stands at the last posture of a run in parts and takes its report. False if no run can start there.
+  bool stand_at_end(const RunInParts& run, std::span<const double> times) {
+    const double first_time = prepared.start_time.value_or(prepared.time.start);
+    start(times.back(), run.posture);
+    if (!doubt.ok()) return false;
+    stands_at(std::span(run.values).last(columns.size()));
+    report = {};
+    report.counters = run.totals.counters;
+    report.counters.steps = static_cast<std::int64_t>(times.size()) - (times[0] == first_time ? 1 : 0);
+    report.counters.stored_values = static_cast<std::int64_t>(run.values.size());
+    report.error = earlier_error = run.totals.error;
+    report.reached = times.back();
+    earlier_effort = run.totals.effort;
+    return true;
+  }
+
+  std::shared_ptr<const Prepared> owned;
+  const Prepared& prepared;
+  std::shared_ptr<const Prepared> first;  // plan at the start of the run, for reset()
+  StepLimits limits;
+  Report report;
+  const Structure& structure;
+  const System& system;
+  Continuation motion;
+  std::vector<std::string> columns;
+  OutputProgram outputs;
+  AngleTurns turns;
+  ErrorEstimate estimate;
+  FunctionCheck functions;
+  Status verdict;  // of the last measurement: ok, or inaccurate
+  Status doubt;    // the first one of the run
+  std::vector<double> row;
+  std::vector<double> divisors;  // of the measures
+  bool in_one_piece = true;      // the posture was reached by a step that was not divided
+  // Starts of the last steps that were divided or failed: at a posture with in_one_piece, and at one without.
+  std::unique_ptr<Snapshot> inside, divided;
+  const Snapshot* began = nullptr;       // the snapshot before the current step, if that was divided
+  Effort earlier_effort;                 // effort of solvers that ran the chunks or solved another set
+  ErrorFigures earlier_error;            // estimated errors of the chunks
+  std::unique_ptr<OutputSlopes> slopes;  // null before the first jacobian()
+  std::size_t own_lines = 0;             // lines that report_effort() added at the end of report.fallbacks
+  std::int64_t reselections = 0;
+  double first_reselection = 0;  // time
+};
+
+}  // namespace assur
