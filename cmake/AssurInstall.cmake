@@ -26,6 +26,11 @@ if(NOT BUILD_SHARED_LIBS)
   # Users of a static assur must also link the libraries that it uses.
   list(TRANSFORM ASSUR_PACKAGES REPLACE "(.+)" "cmake/Find\\1.cmake" OUTPUT_VARIABLE find_modules)
   install(FILES ${find_modules} cmake/SuiteSparseLibrary.cmake DESTINATION ${package_folder})
+  set(ASSUR_CORE_REQUIRES libhwy)
+  set(ASSUR_REQUIRES muparser)
+  set(ASSUR_CORE_LIBRARIES ${CMAKE_THREAD_LIBS_INIT})
+else()
+  set(ASSUR_LIBRARIES "")
 endif()
 
 # pkg-config files that remain valid if the installed tree is moved.
