@@ -11,10 +11,11 @@ list(REMOVE_DUPLICATES ASSUR_PACKAGES)
 list(REMOVE_DUPLICATES ASSUR_LIBRARIES)
 list(JOIN ASSUR_LIBRARIES " " ASSUR_LIBRARIES)
 
+set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME libassur-dev)
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/assur)
-install(TARGETS assur_core EXPORT assurCoreTargets FILE_SET HEADERS FILE_SET eigen)
-install(TARGETS assur EXPORT assurTargets)
-install(TARGETS assur_command)
+set(shared_library LIBRARY COMPONENT libassur NAMELINK_COMPONENT libassur-dev)
+install(TARGETS assur_core EXPORT assurCoreTargets ${shared_library} FILE_SET HEADERS FILE_SET eigen)
+install(TARGETS assur EXPORT assurTargets ${shared_library})
 install(EXPORT assurCoreTargets NAMESPACE assur:: DESTINATION ${package_folder})
 install(EXPORT assurTargets NAMESPACE assur:: DESTINATION ${package_folder})
 
@@ -26,6 +27,11 @@ if(NOT BUILD_SHARED_LIBS)
   # Users of a static assur must also link the libraries that it uses.
   list(TRANSFORM ASSUR_PACKAGES REPLACE "(.+)" "cmake/Find\\1.cmake" OUTPUT_VARIABLE find_modules)
   install(FILES ${find_modules} cmake/SuiteSparseLibrary.cmake DESTINATION ${package_folder})
+  set(ASSUR_CORE_REQUIRES libhwy)
+  set(ASSUR_REQUIRES muparser)
+  set(ASSUR_CORE_LIBRARIES "${CMAKE_THREAD_LIBS_INIT} -lstdc++ -lm")  # also for programs in C and Fortran
+else()
+  set(ASSUR_LIBRARIES "")
 endif()
 
 # pkg-config files that remain valid if the installed tree is moved.
@@ -36,8 +42,14 @@ foreach(name IN ITEMS assur_core assur)
   install(FILES ${PROJECT_BINARY_DIR}/${name}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 endforeach()
 
+set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME assur)
+install(TARGETS assur_command)
+
 # Files to which README.md refers are installed beside it, as in the sources.
-install(FILES LICENSE README.md CHANGELOG.md CONTRIBUTING.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(FILES README.md CHANGELOG.md CONTRIBUTING.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
+if(NOT ASSUR_DEBIAN)  # Debian has the text for all packages in one place
+  install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
+endif()
 install(FILES db/README.md db/schema.sql DESTINATION ${CMAKE_INSTALL_DOCDIR}/db)
 install(FILES db/migrations/README.md DESTINATION ${CMAKE_INSTALL_DOCDIR}/db/migrations)
 install(FILES bench/README.md DESTINATION ${CMAKE_INSTALL_DOCDIR}/bench)
