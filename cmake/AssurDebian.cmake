@@ -30,6 +30,7 @@ endif()
 
 set(CPACK_DEBIAN_LIBASSUR-DEV_PACKAGE_SECTION libdevel)
 set(CPACK_COMPONENT_LIBASSUR-DEV_DEPENDS libassur)
+set(CPACK_DEBIAN_LIBASSUR-DEV_PACKAGE_SUGGESTS libeigen3-dev)  # assur/eigen.hpp
 set(CPACK_DEBIAN_LIBASSUR-DEV_DESCRIPTION "motion of multibody mechanisms: headers for C++ programs
 This package has the headers, and files for CMake and pkg-config.")
 

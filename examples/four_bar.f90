@@ -97,7 +97,7 @@ program four_bar
   real(c_double) :: start, end, step
   integer(c_size_t) :: columns, rows, room, angle
 
-  call check(assur_scene_open('four_bar' // c_null_char, scene))
+  call check(assur_scene_open('four_bar:1' // c_null_char, scene))
   names(1) = c_loc(rocker)
   call check(assur_scene_set(scene, names, [1.4_c_double], 1_c_size_t))
   call check(assur_prepare(scene, c_null_ptr, plan))
