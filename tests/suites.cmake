@@ -1,6 +1,6 @@
-# ctest reads this when it starts: one test for each suite of the GoogleTest program `program`, named FOLDER.SUITE. A
-# process for each case would spend more time on its start than on most cases. ctest must not search the output for
-# skipped cases, because it would count a suite with a failed and a skipped case as skipped.
+# ctest reads this when it starts: one test for each suite of the GoogleTest program `program`, named FOLDER.SUITE, which
+# `emulator` runs ("": none). A process for each case would spend more time on its start than on most cases. ctest must
+# not search the output for skipped cases, because it would count a suite with a failed and a skipped case as skipped.
 # Suites that run many mechanisms with many strategies. `./quickstart test` leaves them out.
 set(long planning.Offers simulation.Accuracy simulation.AccuracySearch simulation.Levels simulation.RandomJoints
     simulation.Recovery simulation.Strategies structure.Shapes/ManyBodies)
@@ -8,12 +8,12 @@ if(NOT EXISTS ${program})
   add_test(${folder}_test_NOT_BUILT ${folder}_test_NOT_BUILT)
   return()
 endif()
-execute_process(COMMAND ${program} --gtest_list_tests OUTPUT_VARIABLE list COMMAND_ERROR_IS_FATAL ANY)
+execute_process(COMMAND ${emulator} ${program} --gtest_list_tests OUTPUT_VARIABLE list COMMAND_ERROR_IS_FATAL ANY)
 string(REGEX MATCHALL "\n[A-Za-z0-9_/]+\\." suites "${list}")
 list(TRANSFORM suites STRIP)
 foreach(suite IN LISTS suites)
   string(REGEX REPLACE "\\.$" "" name ${folder}.${suite})
-  add_test(${name} ${program} --gtest_filter=${suite}*)
+  add_test(${name} ${emulator} ${program} --gtest_filter=${suite}*)
   set_tests_properties(${name} PROPERTIES ENVIRONMENT ASSUR_DB=)
   list(FIND long ${name} at)  # ctest knows no IN_LIST
   if(NOT at EQUAL -1)
