@@ -43,7 +43,8 @@ int main(void) {
   /* Only what is wanted is computed: the Jacobian of one output has one row. */
   assur_simulator_free(simulator);
   simulator = NULL;
-  if (assur_scene_open("four_bar:1", &scene) < 0 || assur_scene_set_outputs(scene, wanted, 1) < 0) return failed("scene");
+  if (assur_scene_open("four_bar:1", &scene) < 0 || assur_scene_set_outputs(scene, wanted, 1) < 0)
+    return failed("scene");
   if (assur_prepare(scene, &options, &plan) < 0) return failed("plan");
   if (assur_simulator_new(plan, NULL, &simulator) < 0) return failed("simulator");
   if (assur_simulator_jacobian(simulator, &slope, 1, NULL, NULL) != ASSUR_OK) return failed("Jacobian");

@@ -9,7 +9,7 @@
 namespace assur {
 
 OutputSlopes::OutputSlopes(const Structure& structure, Continuation& motion, const OutputProgram& outputs)
-    : structure_(structure), motion_(motion), outputs_(outputs) {
+    : motion_(motion), outputs_(outputs) {
   std::vector<std::string> columns;
   for (const Output& o : wanted_outputs(*structure.system)) {
     const std::size_t first = columns.size();

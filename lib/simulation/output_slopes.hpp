@@ -27,7 +27,6 @@ class OutputSlopes {
   };
   [[nodiscard]] Status follow_drivers();
 
-  const Structure& structure_;
   Continuation& motion_;
   const OutputProgram& outputs_;
   std::vector<Row> rows_;
