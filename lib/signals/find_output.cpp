@@ -1,8 +1,8 @@
 #include <algorithm>
-#include <array>
 #include <initializer_list>
 
 #include "assur/rows.hpp"
+#include "assur/status.hpp"
 #include "signals/columns.hpp"
 
 namespace assur {
@@ -69,6 +69,11 @@ BodyColumns find_body(const std::vector<std::string>& columns, std::string_view 
   } else {
     out.quaternion = find_output(columns, name + ".quaternion");
     out.turn = find_output(columns, name + ".angular_velocity");
+  }
+  const std::size_t rotation = (out.origin.components == 2 ? out.turn : out.quaternion).first[0];
+  if (out.origin.first[0] == kNone || rotation == kNone) {
+    throw Error(Error::Kind::input,
+                "the columns have not the whole pose of '" + name + "': name the body as an output");
   }
   return out;
 }

@@ -43,6 +43,13 @@ TEST(Rows, FindOutput) {
   }
 }
 
+TEST(Rows, FindBodyWantsTheWholePose) {
+  const std::vector<std::string> plane = {"B.origin.x", "B.origin.y", "B.angle",    "C.origin.vx", "C.origin.vy",
+                                          "C.angle",    "D.origin.x", "D.origin.y", "D.angle.rate"};
+  EXPECT_EQ(find_body(plane, "B").turn.first[0], 2U);
+  for (const char* name : {"C", "D", "E"}) EXPECT_THROW((void)find_body(plane, name), Error) << name;
+}
+
 // The pose of a body maps its local points onto the outputs of these points.
 TEST(Rows, PosesOfBodies) {
   std::size_t points = 0;
