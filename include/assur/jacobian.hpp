@@ -15,7 +15,8 @@ namespace assur {
 // and the outputs x, x' = J u' while all other drivers rest. In SI units: m, m/rad, rad/m, ...
 struct OutputJacobian {
   // The outputs: one row for each component, under the name of its value ("C.x"), or of its first wanted derivative if
-  // the value is not among the columns ("B.wx"). So the rows of "B.origin" and "B.angular_velocity" are the twist.
+  // the value is not among the columns ("B.wx"); further derivatives have no row. So the rows of "B.origin" and
+  // "B.angular_velocity" are the twist.
   std::vector<std::string> outputs;
   std::vector<std::string> drivers;  // the controlled drivers, in the order of Simulator::drivers()
   std::vector<double> values;        // outputs x drivers; NaN if the status is not ok

@@ -16,6 +16,7 @@ constexpr std::size_t kRowsInBlock = 64;
 // Names of the columns that the caller wants; NULL: all.
 std::vector<std::string> names_of(const std::vector<std::string>& all, const std::size_t* columns, std::size_t count) {
   if (columns == nullptr) return all;
+  c::check_extent("columns", count, 1);
   std::vector<std::string> names;
   for (std::size_t i = 0; i < count; ++i) {
     if (columns[i] >= all.size()) {
@@ -30,6 +31,8 @@ std::vector<std::string> names_of(const std::vector<std::string>& all, const std
 
 void check_strides(std::size_t members, std::size_t rows, std::size_t columns, std::size_t member_stride,
                    std::size_t row_stride) {
+  c::check_extent("values", rows, row_stride);
+  c::check_extent("values", members, member_stride);
   if (row_stride < columns) {
     throw Error(Error::Kind::input, "row_stride is " + std::to_string(row_stride) + ", and a row has " +
                                         std::to_string(columns) + " columns");
@@ -49,6 +52,7 @@ std::int32_t assur_ensemble_of_plans(const assur_plan* const* plans, std::size_t
                                      assur_ensemble** ensemble) {
   return call([&] {
     assur_ensemble*& out = checked(ensemble, "ensemble");
+    c::check_extent("plans", count, 1);
     if (count > 0) (void)checked(plans, "plans");
     const auto member = [&](std::size_t i) { return checked(plans[i], "a plan").prepared; };
     for (std::size_t i = 0; i < count; ++i) (void)checked(plans[i], "a plan");  // no member of its own
@@ -115,6 +119,7 @@ std::int32_t assur_ensemble_summarize(assur_ensemble* ensemble, const double* ti
       throw Error(Error::Kind::input, "member_stride is " + std::to_string(member_stride) + ", and a member has " +
                                           std::to_string(width) + " summaries");
     }
+    c::check_extent("out", of.members(), member_stride);
     (void)checked(out, "out");
     const EnsembleSummary summary = of.summarize(names, at);
     for (std::size_t i = 0; i < summary.members(); ++i) {

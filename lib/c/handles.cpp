@@ -1,5 +1,6 @@
 #include "c/handles.hpp"
 
+#include <cstdint>
 #include <exception>
 #include <new>
 
@@ -60,6 +61,7 @@ void refuse_null(const char* name) { throw Error(Error::Kind::input, std::string
 
 std::vector<std::string> texts(const char* const* from, std::size_t count, const char* name) {
   std::vector<std::string> out;
+  check_extent(name, count, 1);
   if (count > 0) (void)checked(from, name);
   for (std::size_t i = 0; i < count; ++i) {
     if (from[i] == nullptr) refuse_null((std::string(name) + "[" + std::to_string(i) + "]").c_str());
@@ -81,7 +83,16 @@ StepLimits limits_of(const assur_limits* limits) {
   return out;
 }
 
+void check_extent(const char* what, std::size_t count, std::size_t stride) {
+  constexpr std::size_t kMost = PTRDIFF_MAX / sizeof(assur_summary);  // of the largest items
+  if (count > kMost || stride > kMost / std::max<std::size_t>(count, 1)) {
+    throw Error(Error::Kind::input, std::string(what) + ": " + std::to_string(count) + " items that are " +
+                                        std::to_string(stride) + " numbers apart exceed any memory");
+  }
+}
+
 std::vector<double> times_of(const double* times, std::size_t count, const TimeGrid& grid) {
+  if (times != nullptr) check_extent("times", count, 1);
   if (times != nullptr) return {times, times + count};
   const auto rows = static_cast<std::size_t>(grid.steps()) + 1;
   if (rows > count) {
@@ -99,6 +110,7 @@ std::vector<double> table_of(const double* values, std::size_t members, std::siz
     throw Error(Error::Kind::input, "member_stride is " + std::to_string(member_stride) + ", and a member has " +
                                         std::to_string(width) + " values");
   }
+  check_extent("values", members, member_stride);
   if (members > 0 && width > 0) (void)checked(values, "values");
   std::vector<double> out;
   for (std::size_t i = 0; i < members; ++i) {

@@ -94,6 +94,9 @@ inline std::int32_t give(const Status& status, assur_status* to) noexcept {
 
 [[nodiscard]] StepLimits limits_of(const assur_limits* limits);
 
+// Throws Error (input), which names `what`, if `count` items `stride` numbers apart exceed any memory.
+void check_extent(const char* what, std::size_t count, std::size_t stride);
+
 // The times of a run: those of the caller, or the time grid if they are NULL.
 [[nodiscard]] std::vector<double> times_of(const double* times, std::size_t count, const TimeGrid& grid);
 

@@ -108,6 +108,7 @@ std::int32_t assur_simulator_run(assur_simulator* simulator, const double* times
                                           std::to_string(columns) + " columns");
     }
     const std::vector<double> at = c::times_of(times, count, of.prepared().time);
+    c::check_extent("values", at.size(), row_stride);
     double* to = values;
     const auto store = [&](const MemberRows& block) {
       for (std::size_t k = 0; k < block.times.size(); ++k, to += row_stride) {
@@ -125,6 +126,7 @@ std::int32_t assur_simulator_stream(assur_simulator* simulator, const double* ti
   return call([&] {
     Simulator& of = simulator_of(simulator);
     if (sink == nullptr) c::refuse_null("sink");
+    if (times != nullptr) c::check_extent("times", count, 1);
     const auto pass = [&](const MemberRows& block) {
       return sink(context, block.times.data(), block.values.data(), block.times.size()) == 0;
     };
@@ -174,6 +176,7 @@ std::int32_t assur_simulator_jacobian(assur_simulator* simulator, double* values
       throw Error(Error::Kind::input, "row_stride is " + std::to_string(row_stride) + ", and a row has " +
                                           std::to_string(drivers) + " drivers");
     }
+    c::check_extent("values", jacobian.outputs.size(), row_stride);
     for (std::size_t r = 0; r < jacobian.outputs.size(); ++r) {
       std::copy_n(jacobian.values.data() + r * drivers, drivers, values + r * row_stride);
     }

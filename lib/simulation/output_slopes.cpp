@@ -1,6 +1,9 @@
 #include "simulation/output_slopes.hpp"
 
 #include <algorithm>
+#include <set>
+#include <string>
+#include <utility>
 
 #include "index.hpp"
 #include "numbers.hpp"
@@ -11,15 +14,18 @@ namespace assur {
 OutputSlopes::OutputSlopes(const Structure& structure, Continuation& motion, const OutputProgram& outputs)
     : motion_(motion), outputs_(outputs) {
   std::vector<std::string> columns;
+  std::set<std::pair<std::string, std::size_t>> seen;  // components; rates that are asked for apart have no row
   for (const Output& o : wanted_outputs(*structure.system)) {
     const std::size_t first = columns.size();
     append_columns(o, columns);
     const auto derivative = static_cast<std::size_t>(std::find(o.wanted, o.wanted + 3, true) - o.wanted);
     for (std::size_t k = 0; k < o.part_count; ++k) {
+      const std::size_t component = o.component < 0 ? k : static_cast<std::size_t>(o.component);
+      if (!seen.emplace(o.name, component).second) continue;
       rows_.push_back({first + k, derivative});
       out_.outputs.push_back(columns[first + k]);
+      asked_[derivative] = true;
     }
-    asked_[derivative] = true;
   }
   for (const Inputs::Control& c : motion.inputs().controls()) out_.drivers.push_back(c.name);
   const std::size_t drivers = out_.drivers.size(), size = motion.layout().size;

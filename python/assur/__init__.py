@@ -138,6 +138,8 @@ Scene._repr_html_ = Prepared._repr_html_ = Trajectory._repr_html_ = html
 def run(what, times=None, *, progress=None, **options):
     """Opens, prepares and runs a mechanism in one call; returns a Trajectory, SI units.
 
+    A motion may end early: the status of the Trajectory tells why.
+
     what: a Scene, a Prepared, or what scene() opens. times: an array of (times,), s; None: the time grid of the scene.
     Options as in prepare().
     """

@@ -46,9 +46,10 @@ struct Ready : Prepared {
   std::vector<ModeChoice> modes;
 };
 
-// A trajectory with its mechanism.
+// A trajectory with its mechanism, and with the report of its run.
 struct Motions : Trajectory {
   std::shared_ptr<const Ready> of;
+  Report report;
 };
 
 // A simulator until it is closed. Arrays that show its memory keep it alive.

@@ -95,6 +95,10 @@ Arrays show the memory of the trajectory: nothing is copied, and they cannot be 
           "single precision.")
       .def_property_readonly(
           "prepared", [](const Motions& t) { return *t.of; }, "The Prepared that moved; its `scene` is the scene.")
+      .def_readonly("report", &Motions::report, "The Report of the run: its status tells why the motion ended.")
+      .def_property_readonly(
+          "status", [](const Motions& t) { return object_of(t.report.status); },
+          "Status of the run: 'ok', 'inaccurate', or the reason why the motion ended early.")
       .def_property_readonly(
           "units", [](const Motions& t) { return units_of(*t.of->structure, t.columns()); },
           "Units of the columns: a dict of names and texts such as 'm/s'; '': none.")
@@ -103,6 +107,7 @@ Arrays show the memory of the trajectory: nothing is copied, and they cannot be 
         if (t.rows() > 0) {
           out += ", t = " + py::str("{:g} to {:g} s").format(t.times().front(), t.times().back()).cast<std::string>();
         }
+        if (!t.report.status.ok()) out += ", status '" + std::string(name(t.report.status.code)) + "'";
         return out + ")";
       });
 
@@ -182,8 +187,8 @@ more. seconds: time limit of one step, s; 0: none. pin_to: processors for the th
             Trajectory rows = run_watched(progress, interrupted, [&](const Simulator::Observer& observer) {
               return times ? s.run(at, observer) : s.run(observer);
             });
-            py::object out =
-                py::cast(Motions{std::move(rows), std::make_shared<const Ready>(Ready{s.prepared(), session.modes})});
+            py::object out = py::cast(Motions{
+                std::move(rows), std::make_shared<const Ready>(Ready{s.prepared(), session.modes}), s.report()});
             if (interrupted) raise_interrupted(out);
             return out;
           },
@@ -191,7 +196,7 @@ more. seconds: time limit of one step, s; 0: none. pin_to: processors for the th
           R"(Runs from the start posture over the time grid of the scene, or over `times`, an array
 of (times,), s, ascending.
 
-Returns a Trajectory with the rows that were reached; report.status tells why it ended. Other threads of Python go on
+Returns a Trajectory with the rows that were reached; its status tells why it ended. Other threads of Python go on
 meanwhile. Ctrl-C raises Interrupted, whose `result` has the rows that were done. progress: tqdm, or a bar of it.)")
       .def(
           "reset", [](const Session& s) { s.open().reset(); },

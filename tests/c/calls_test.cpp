@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -357,6 +358,33 @@ TEST(C, ErrorsNameWhatIsWrong) {
   limits.most_iterations = 0;
   assur_simulator* other = nullptr;
   EXPECT_EQ(assur_simulator_new(plan_of(good.get()).get(), &limits, &other), ASSUR_ERROR_INPUT);
+}
+
+// Sizes that no memory has, such as -1 from a language with signed numbers.
+TEST(C, SizesWithoutSense) {
+  const auto scene = scene_of("four_bar:1");
+  const auto simulator = simulator_of(plan_of(scene.get(), {"motor"}).get());
+  std::vector<double> values(4000, -7);
+  const std::size_t huge[] = {SIZE_MAX, SIZE_MAX - 1, SIZE_MAX - 11, SIZE_MAX / 2, SIZE_MAX / 8, SIZE_MAX / 16};
+  const char* names[] = {"coupler1", "rocker1"};
+  const std::size_t column = 0;
+  assur_ensemble* ensemble = nullptr;
+  const double good[] = {1.8, 1.3};
+  ASSERT_EQ(assur_ensemble_new(scene.get(), names, 2, good, 1, 2, nullptr, nullptr, &ensemble), ASSUR_OK);
+  const Owned<assur_ensemble> owned(ensemble);
+  double* const middle = values.data() + 2000;
+  for (const std::size_t n : huge) {
+    EXPECT_EQ(assur_simulator_jacobian(simulator.get(), middle, n, nullptr, nullptr), ASSUR_ERROR_INPUT) << n;
+    EXPECT_EQ(assur_simulator_run(simulator.get(), middle, 2, middle, n, nullptr, nullptr), ASSUR_ERROR_INPUT) << n;
+    EXPECT_EQ(assur_simulator_run(simulator.get(), middle, n, middle, 50, nullptr, nullptr), ASSUR_ERROR_INPUT) << n;
+    EXPECT_EQ(assur_ensemble_bind(ensemble, middle, n, 3), ASSUR_ERROR_INPUT) << n;
+    EXPECT_EQ(assur_ensemble_bind(ensemble, middle, 2, n), ASSUR_ERROR_INPUT) << n;
+    EXPECT_EQ(assur_ensemble_run(ensemble, nullptr, 2000, &column, n, middle, 50, 1, nullptr, nullptr),
+              ASSUR_ERROR_INPUT);
+    EXPECT_EQ(assur_ensemble_run(ensemble, nullptr, 2000, &column, 1, middle, 50, n, nullptr, nullptr),
+              ASSUR_ERROR_INPUT);
+  }
+  EXPECT_EQ(std::count(values.begin(), values.end(), -7.0), 4000);
 }
 
 // A program that was compiled with an older, shorter struct gets what it knows.

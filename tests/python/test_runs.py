@@ -276,3 +276,13 @@ def test_other_packages(mechanism):
     array = motion.to_xarray()
     assert array.sel(column="C.x")[-1] == motion["C.x"][-1] and numpy.shares_memory(array.values, motion.values)
     assert assur.to_xarray(motion).dims == ("t", "column")
+
+
+def test_a_motion_that_ends_early_tells_why():
+    b = assur.SceneBuilder("jams", 2).point("A", (0, 0), fixed=True).point("D", (1, 0), fixed=True)
+    b.point("B", (0.5, 0)).point("C", (0.9, 0.6)).distance("k", "B", "C").distance("r", "D", "C")
+    motion = assur.run(b.drive_angle("m", "A", "B", [0, 3]).output("C").time(0, 2, 0.01).build())
+    assert motion.status.code == "limit_reached" and motion.report.events and len(motion) < 201
+    assert "limit_reached" in repr(motion)
+    done = assur.run("four_bar:1")
+    assert done.status.ok and done.report.reached == done.t[-1] and "status" not in repr(done)

@@ -190,6 +190,21 @@ TEST(Jacobian, SingularAndSingularValue) {
   EXPECT_NEAR(simulator.jacobian().smallest_singular_value, 1, 1e-14);
 }
 
+// Derivatives that are asked for apart do not count again.
+TEST(Jacobian, HasOneRowForEachComponent) {
+  const Scene scene = sample("three_rps");
+  const auto rows = [&](std::vector<std::string> outputs) {
+    Simulator s = test::simulator(scene.with_outputs(std::move(outputs)), "auto", {}, names_of_drivers(scene));
+    return s.jacobian().outputs;
+  };
+  const std::vector<std::string> all = rows({"plate"});
+  EXPECT_EQ(all.size(), 10U);
+  EXPECT_EQ(all.back(), "plate.wz");
+  EXPECT_EQ(rows({"centre.velocity", "centre.position"}),
+            (std::vector<std::string>{"centre.vx", "centre.vy", "centre.vz"}));
+  EXPECT_EQ(rows({"plate.angular_acceleration"}).front(), "plate.alphax");
+}
+
 TEST(Jacobian, SecondCallAllocatesNothing) {
   for (const char* text : {"stewart", "four_bar:8", "hexapod"}) {
     const Scene scene = sample(text);
