@@ -9,30 +9,20 @@
 
 #include "assur/strategy.hpp"
 #include "decimal.hpp"
+#include "status_text.hpp"
 
 namespace assur {
 namespace {
 
 std::string number(double value) { return general(value, 6); }
 
-// Times have more digits than other numbers, so that an event can be found by its time.
-std::string moment(double from, double until) {
-  return "t = " + general(from, 10) + (until != from ? " ... " + general(until, 10) : "") + " s";
-}
-
 std::string counted(std::size_t count, std::string_view noun) {
   return std::to_string(count) + " " + std::string(noun) + (count == 1 ? "" : "s");
 }
 
-std::string explained(Code code) {
-  std::string text(name(code));
-  if (code != Code::ok && explanation(code) != name(code)) text += " (" + std::string(explanation(code)) + ")";
-  return text;
-}
-
 std::string size_of(std::size_t rows, std::size_t columns, const std::vector<double>& times) {
   std::string text = counted(rows, "row") + " of " + counted(columns, "column");
-  if (!times.empty()) text += ", " + moment(times.front(), times.back());
+  if (!times.empty()) text += ", t = " + general(times.front(), 10) + " ... " + general(times.back(), 10) + " s";
   return text;
 }
 
@@ -53,7 +43,7 @@ std::ostream& operator<<(std::ostream& out, Code code) { return out << name(code
 
 std::ostream& operator<<(std::ostream& out, const Status& status) {
   static constexpr std::string_view kPlaces[] = {"", "driver", "group", "lane", "member"};
-  std::string text = explained(status.code);
+  std::string text = status.code == Code::ok ? "ok" : explained(status.code);
   if (!status.where.is(Place::Kind::none)) {
     text += ", " + std::string(kPlaces[static_cast<std::size_t>(status.where.kind)]) + " " +
             std::to_string(status.where.index);
@@ -63,11 +53,8 @@ std::ostream& operator<<(std::ostream& out, const Status& status) {
 }
 
 std::ostream& operator<<(std::ostream& out, const Event& event) {
-  std::string text = moment(event.time, event.until) + ": " + explained(event.kind);
-  if (!event.group.empty()) text += ", " + event.group;
-  if (event.figure != 0) text += ", figure " + number(event.figure) + (event.unit.empty() ? "" : " " + event.unit);
-  if (!event.detail.empty()) text += ": " + event.detail;
-  return out << text;
+  return out << time_of(event) + place_of(event) + ": " + explained(event.kind) +
+                    (event.detail.empty() ? "" : ": " + event.detail);
 }
 
 std::ostream& operator<<(std::ostream& out, const Counters& c) {
@@ -99,7 +86,7 @@ std::ostream& operator<<(std::ostream& out, const GroupFigures& f) {
 }
 
 std::ostream& operator<<(std::ostream& out, const Certificate& c) {
-  std::string text = moment(c.time, c.time) + ": ";
+  std::string text = "t = " + general(c.time, 10) + " s: ";
   if (c.why_not.empty()) {
     text += "the posture is within " + scientific(c.radius, 1) + " of the computed one, and the only one within " +
             scientific(c.uniqueness, 1);

@@ -31,12 +31,8 @@ std::vector<std::string> names_of(const std::vector<std::string>& all, const std
 
 void check_strides(std::size_t members, std::size_t rows, std::size_t columns, std::size_t member_stride,
                    std::size_t row_stride) {
-  c::check_extent("values", rows, row_stride);
-  c::check_extent("values", members, member_stride);
-  if (row_stride < columns) {
-    throw Error(Error::Kind::input, "row_stride is " + std::to_string(row_stride) + ", and a row has " +
-                                        std::to_string(columns) + " columns");
-  }
+  c::check_stride("row_stride", row_stride, rows, columns);
+  c::check_extent("member_stride", members, member_stride);
   const bool by_rows = member_stride >= columns && row_stride / std::max<std::size_t>(members, 1) >= member_stride;
   if (members > 1 && rows > 0 && !by_rows && member_stride < (rows - 1) * row_stride + columns) {
     throw Error(Error::Kind::input, "with member_stride " + std::to_string(member_stride) + " and row_stride " +
@@ -115,11 +111,7 @@ std::int32_t assur_ensemble_summarize(assur_ensemble* ensemble, const double* ti
     const std::vector<std::string> names = names_of(of.columns(), columns, column_count);
     const std::vector<double> at = c::times_of(times, count, of.prepared().time);
     const std::size_t width = names.size();
-    if (member_stride < width) {
-      throw Error(Error::Kind::input, "member_stride is " + std::to_string(member_stride) + ", and a member has " +
-                                          std::to_string(width) + " summaries");
-    }
-    c::check_extent("out", of.members(), member_stride);
+    c::check_stride("member_stride", member_stride, of.members(), width);
     (void)checked(out, "out");
     const EnsembleSummary summary = of.summarize(names, at);
     for (std::size_t i = 0; i < summary.members(); ++i) {

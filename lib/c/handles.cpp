@@ -91,6 +91,13 @@ void check_extent(const char* what, std::size_t count, std::size_t stride) {
   }
 }
 
+void check_stride(const char* name, std::size_t stride, std::size_t count, std::size_t width) {
+  check_extent(name, count, stride);
+  if (stride >= width) return;
+  throw Error(Error::Kind::input, std::string(name) + " is " + std::to_string(stride) + ", and must be at least " +
+                                      std::to_string(width) + ": the numbers of an item");
+}
+
 std::vector<double> times_of(const double* times, std::size_t count, const TimeGrid& grid) {
   if (times != nullptr) check_extent("times", count, 1);
   if (times != nullptr) return {times, times + count};
@@ -106,11 +113,7 @@ std::vector<double> times_of(const double* times, std::size_t count, const TimeG
 }
 
 std::vector<double> table_of(const double* values, std::size_t members, std::size_t member_stride, std::size_t width) {
-  if (member_stride < width) {
-    throw Error(Error::Kind::input, "member_stride is " + std::to_string(member_stride) + ", and a member has " +
-                                        std::to_string(width) + " values");
-  }
-  check_extent("values", members, member_stride);
+  check_stride("member_stride", member_stride, members, width);
   if (members > 0 && width > 0) (void)checked(values, "values");
   std::vector<double> out;
   for (std::size_t i = 0; i < members; ++i) {

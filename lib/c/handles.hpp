@@ -25,6 +25,7 @@ struct assur_simulator {
   assur::Simulator simulator;
   std::vector<std::string> driver_names;
   std::vector<assur::DriverHandle> drivers;
+  std::vector<std::string> slopes;  // rows of the Jacobian; empty before they are asked for
 };
 
 struct assur_state {
@@ -96,6 +97,8 @@ inline std::int32_t give(const Status& status, assur_status* to) noexcept {
 
 // Throws Error (input), which names `what`, if `count` items `stride` numbers apart exceed any memory.
 void check_extent(const char* what, std::size_t count, std::size_t stride);
+// The same, which names the stride; also if the items, of `width` numbers, would overlap.
+void check_stride(const char* name, std::size_t stride, std::size_t count, std::size_t width);
 
 // The times of a run: those of the caller, or the time grid if they are NULL.
 [[nodiscard]] std::vector<double> times_of(const double* times, std::size_t count, const TimeGrid& grid);

@@ -13,6 +13,13 @@ namespace {
 
 Simulator& simulator_of(assur_simulator* handle) { return checked(handle, "simulator").simulator; }
 
+// Names of the rows of the Jacobian, which are always the same.
+const std::vector<std::string>& slopes_of(assur_simulator* handle) {
+  assur_simulator& of = checked(handle, "simulator");
+  if (of.slopes.empty()) of.slopes = of.simulator.jacobian().outputs;
+  return of.slopes;
+}
+
 // Runs with rows given to `sink`, which returns false to end the run.
 template <class Sink>
 std::int32_t stream(Simulator& simulator, const double* times, std::size_t count, std::size_t every, const Sink& sink,
@@ -103,12 +110,8 @@ std::int32_t assur_simulator_run(assur_simulator* simulator, const double* times
     Simulator& of = simulator_of(simulator);
     const std::size_t columns = of.columns().size();
     if (count > 0) (void)checked(values, "values");
-    if (row_stride < columns) {
-      throw Error(Error::Kind::input, "row_stride is " + std::to_string(row_stride) + ", and a row has " +
-                                          std::to_string(columns) + " columns");
-    }
     const std::vector<double> at = c::times_of(times, count, of.prepared().time);
-    c::check_extent("values", at.size(), row_stride);
+    c::check_stride("row_stride", row_stride, at.size(), columns);
     double* to = values;
     const auto store = [&](const MemberRows& block) {
       for (std::size_t k = 0; k < block.times.size(); ++k, to += row_stride) {
@@ -172,11 +175,7 @@ std::int32_t assur_simulator_jacobian(assur_simulator* simulator, double* values
     const OutputJacobian& jacobian = simulator_of(simulator).jacobian();
     const std::size_t drivers = jacobian.drivers.size();
     if (!jacobian.values.empty()) (void)checked(values, "values");
-    if (row_stride < drivers) {
-      throw Error(Error::Kind::input, "row_stride is " + std::to_string(row_stride) + ", and a row has " +
-                                          std::to_string(drivers) + " drivers");
-    }
-    c::check_extent("values", jacobian.outputs.size(), row_stride);
+    c::check_stride("row_stride", row_stride, jacobian.outputs.size(), drivers);
     for (std::size_t r = 0; r < jacobian.outputs.size(); ++r) {
       std::copy_n(jacobian.values.data() + r * drivers, drivers, values + r * row_stride);
     }
@@ -187,7 +186,7 @@ std::int32_t assur_simulator_jacobian(assur_simulator* simulator, double* values
 std::size_t assur_simulator_jacobian_rows(assur_simulator* simulator) {
   std::size_t rows = 0;
   (void)call([&] {
-    rows = simulator_of(simulator).jacobian().outputs.size();
+    rows = slopes_of(simulator).size();
     return ASSUR_OK;
   });
   return rows;
@@ -195,7 +194,7 @@ std::size_t assur_simulator_jacobian_rows(assur_simulator* simulator) {
 const char* assur_simulator_jacobian_row_name(assur_simulator* simulator, std::size_t row) {
   const char* name = nullptr;
   (void)call([&] {
-    name = name_at(simulator_of(simulator).jacobian().outputs, row);
+    name = name_at(slopes_of(simulator), row);
     return ASSUR_OK;
   });
   return name;

@@ -33,19 +33,9 @@ std::optional<sweep::Trace> trace_of(const Scene& scene, const Names& columns, c
   }
   if (!target) return std::nullopt;
   check_name("compare", distance, sweep::distance_names());
-  const auto is_output = [&](const std::string& c) {
-    return std::find(columns.begin(), columns.end(), c) != columns.end();
-  };
-  if (scene.dimension() != 2 || !is_output(point + ".x") || !is_output(point + ".y")) {
-    throw Error(Error::Kind::input,
-                "trace: '" + point + "' is not a point in the plane among the outputs of the scene");
-  }
+  sweep::check_point(point, scene, columns);
   sweep::Trace trace{point, curve_of(*target), distance};
-  const std::size_t times = static_cast<std::size_t>(scene.time().steps()) + 1;
-  if ((distance == "timed" || distance == "fitted") && trace.target.size() != times) {
-    throw Error(Error::Kind::input, "compare='" + distance + "' compares points at equal times: the path has " +
-                                        plural(times, "point") + ", the target " + std::to_string(trace.target.size()));
-  }
+  sweep::check_target(trace, scene);
   return trace;
 }
 
@@ -54,14 +44,13 @@ void check_grid(const Scene& scene, const sweep::DesignSpace& space, std::int64_
   Parameters values;
   const std::vector<double> point = space.point(first);
   for (std::size_t i = 0; i < point.size(); ++i) values[space.ranges()[i].name] = point[i];
-  const TimeGrid grid = scene.time();
+  std::optional<Scene> other;
   try {
-    const TimeGrid other = scene.with_values(values).time();
-    if (other.start == grid.start && other.end == grid.end && other.step == grid.step) return;
+    other = scene.with_values(values);
   } catch (const Error&) {
     return;  // a sample of which there is no scene
   }
-  throw Error(Error::Kind::input, "vary: a parameter changes the time grid, which must be the same for all samples");
+  sweep::check_same_times(scene, *other);
 }
 
 // The columns of the file that `assur sweep` writes.

@@ -53,7 +53,7 @@ def test_wrong_sweeps(mechanism):
         ({"vary": {}}, "at least one"), ({"sampler": "dice"}, "dice"), ({"reduce": ["median"]}, "median"),
         ({"range": (5, 3)}, "range"), ({"trace": "C"}, "target"), ({"trace": "Q", "target": TARGET}, "Q"),
         ({"vary": {"q": (0, 1)}}, "q"), ({"sampler": "grid"}, "100"), ({"vary": {"coupler": (3, 2)}}, "range"),
-        ({"trace": "C", "target": TARGET, "compare": "timed"}, "201 points"),
+        ({"trace": "C", "target": TARGET, "compare": "timed"}, "path 201"),
     ]:
         with pytest.raises(assur.InputError, match=what) as refusal:
             assur.sweep(mechanism, **{"vary": VARY, "samples": 101, **arguments})

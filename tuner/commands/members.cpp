@@ -1,7 +1,7 @@
 #include "commands/members.hpp"
 
 #include "output/format.hpp"
-#include "output/status_text.hpp"
+#include "status_text.hpp"
 
 namespace assur::output {
 namespace {

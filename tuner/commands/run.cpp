@@ -12,8 +12,8 @@
 #include "commands/start_modes.hpp"
 #include "output/motion_files.hpp"
 #include "output/progress.hpp"
-#include "output/status_text.hpp"
 #include "pictures/outputs_over_time.hpp"
+#include "status_text.hpp"
 
 namespace assur::command {
 namespace {
@@ -42,7 +42,7 @@ Prepared prepare_or_show(const Scene& scene, const PrepareOptions& how, const st
 
 // Why the run stopped early; empty if it did not.
 std::string ending(const Report& report) {
-  return report.status.arrived() ? "" : output::why_stopped(report.status, report.events, report.reached);
+  return report.status.arrived() ? "" : why_stopped(report.status, report.events, report.reached);
 }
 
 }  // namespace
@@ -110,7 +110,7 @@ int run(const Common& common, const RunOptions& options) {
   }
   const Exit exit = all_written ? exit_of(report.status.code) : kInterrupted;
   if (exit == kNumerical && !common.json) {
-    std::cerr << "error: " << output::why_stopped(report.status, report.events, report.reached) << '\n';
+    std::cerr << "error: " << why_stopped(report.status, report.events, report.reached) << '\n';
   }
   return exit;
 }

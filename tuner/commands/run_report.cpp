@@ -8,7 +8,7 @@
 #include "commands/left_out.hpp"
 #include "output/format.hpp"
 #include "output/notes.hpp"
-#include "output/status_text.hpp"
+#include "status_text.hpp"
 
 namespace assur::output {
 namespace {

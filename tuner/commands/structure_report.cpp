@@ -9,8 +9,8 @@
 #include "index.hpp"
 #include "output/format.hpp"
 #include "output/notes.hpp"
-#include "output/status_text.hpp"
 #include "scene/system.hpp"
+#include "status_text.hpp"
 #include "structure/redundant_sets.hpp"
 
 namespace assur::output {

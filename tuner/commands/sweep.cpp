@@ -82,18 +82,9 @@ std::optional<Scene> scene_or_none(const std::function<Scene(const std::vector<d
 std::optional<sweep::Trace> trace_of(const SweepOptions& options, const Scene& scene,
                                      const std::vector<std::string>& columns) {
   if (options.target.empty()) return std::nullopt;
-  if (scene.dimension() != 2) refuse("--trace", "compares paths in the plane; this scene is in space");
-  for (const char* coordinate : {".x", ".y"}) {
-    if (std::find(columns.begin(), columns.end(), options.trace + coordinate) == columns.end()) {
-      refuse("--trace", "\"" + options.trace + "\" is not a point among the outputs of the scene");
-    }
-  }
+  sweep::check_point(options.trace, scene, columns);
   sweep::Trace trace{options.trace, curve_in(options.target), options.compare};
-  const auto points = static_cast<std::int64_t>(trace.target.size()), times = scene.time().steps() + 1;
-  if ((trace.distance == "timed" || trace.distance == "fitted") && points != times) {
-    refuse("--compare", "compares points at equal times: " + options.target + " has " + counted(points, "point") +
-                            ", and the path " + std::to_string(times));
-  }
+  sweep::check_target(trace, scene);
   return trace;
 }
 
@@ -280,12 +271,9 @@ int sweep(const Common& common, const SweepOptions& options) {
   const std::vector<std::string> columns = sweep::columns_of(scene);
   if (columns.empty()) refuse("--outputs", "the scene has no outputs, so that there is nothing to keep");
 
-  const TimeGrid grid = scene.time();
-  const auto check_grid = [&](const Scene& other) {
-    if (other.time().start == grid.start && other.time().end == grid.end && other.time().step == grid.step) return;
-    refuse("--vary", "a parameter changes the time grid, which must be the same for all samples");
-  };
-  if (const std::optional<Scene> one = scene_or_none(scene_at, space.point(first))) check_grid(*one);
+  if (const std::optional<Scene> one = scene_or_none(scene_at, space.point(first))) {
+    sweep::check_same_times(scene, *one);
+  }
   StepLimits limits;
   limits.stop = [] { return Interrupt::requested(); };
   sweep::Sweep sweep(space, scene, how, columns, options.reduce, trace_of(options, scene, columns), limits);

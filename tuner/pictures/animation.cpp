@@ -10,7 +10,6 @@
 
 #include "numbers.hpp"
 #include "output/format.hpp"
-#include "output/status_text.hpp"
 #include "pictures/animation_files.hpp"
 #include "pictures/faces.hpp"
 #include "pictures/html.hpp"
@@ -18,6 +17,7 @@
 #include "pictures/packed.hpp"
 #include "scene/outputs.hpp"
 #include "scene/system.hpp"
+#include "status_text.hpp"
 #include "structure/closest.hpp"
 
 namespace assur::pictures {
@@ -296,11 +296,11 @@ Animation animation_of(const Prepared& wanted, Simulator& simulator, std::span<c
   Animation animation(wanted, simulator.prepared(), steps);
   for (std::int64_t k = 0; k <= steps; ++k) {
     if (k > 0 && !proceed(k)) {
-      animation.end(simulator, output::explained(Code::interrupted));
+      animation.end(simulator, explained(Code::interrupted));
       break;
     }
     if (const Status status = simulator.step(times[static_cast<std::size_t>(k)]); !status.arrived()) {
-      animation.end(simulator, output::why_stopped(status, simulator.report().events, simulator.report().reached));
+      animation.end(simulator, why_stopped(status, simulator.report().events, simulator.report().reached));
       break;
     }
     animation.take(k, simulator);

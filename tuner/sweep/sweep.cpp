@@ -8,6 +8,7 @@
 
 #include "assur/structure.hpp"
 #include "numbers.hpp"
+#include "output/format.hpp"
 #include "scene/names.hpp"
 #include "scene/outputs.hpp"
 #include "side_by_side/row_takers.hpp"
@@ -51,6 +52,31 @@ double number_in(const std::string& text, const std::string& line) {
 }  // namespace
 
 std::vector<std::string> columns_of(const Scene& scene) { return column_names(*analyze(scene).system); }
+
+void check_point(const std::string& point, const Scene& scene, const std::vector<std::string>& columns) {
+  if (scene.dimension() != 2) {
+    throw Error(Error::Kind::input, {{"--trace", "compares paths in the plane; this scene is in space"}});
+  }
+  for (const char* coordinate : {".x", ".y"}) {
+    if (std::find(columns.begin(), columns.end(), point + coordinate) != columns.end()) continue;
+    throw Error(Error::Kind::input, {{"--trace", "\"" + point + "\" is not a point among the outputs of the scene"}});
+  }
+}
+
+void check_target(const Trace& trace, const Scene& scene) {
+  const auto points = static_cast<std::int64_t>(trace.target.size()), times = scene.time().steps() + 1;
+  if ((trace.distance != "timed" && trace.distance != "fitted") || points == times) return;
+  throw Error(Error::Kind::input,
+              {{"--compare", "compares points at equal times: the target has " + output::counted(points, "point") +
+                                 ", and the path " + std::to_string(times)}});
+}
+
+void check_same_times(const Scene& one, const Scene& other) {
+  const TimeGrid a = one.time(), b = other.time();
+  if (a.start == b.start && a.end == b.end && a.step == b.step) return;
+  throw Error(Error::Kind::input,
+              {{"--vary", "a parameter changes the time grid, which must be the same for all samples"}});
+}
 
 const std::vector<std::string>& figure_names() {
   static const std::vector<std::string> kNames = {"min", "max", "min_time", "max_time", "mean", "last", "range"};

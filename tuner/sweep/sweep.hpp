@@ -45,6 +45,15 @@ struct Trace {
   std::string distance;  // one of distance_names()
 };
 
+// Throws Error (input) at "--trace" unless this is a point in the plane among the outputs of the scene, `columns`.
+void check_point(const std::string& point, const Scene& scene, const std::vector<std::string>& columns);
+
+// Throws Error (input) at "--compare" unless the path can be compared with the curve in this way.
+void check_target(const Trace& trace, const Scene& scene);
+
+// Throws Error (input) at "--vary" if two samples have different times.
+void check_same_times(const Scene& one, const Scene& other);
+
 class Sweep {
  public:
   // Samples in a block. Blocks begin at multiples of it, wherever a range begins: the members of a pack, and with them

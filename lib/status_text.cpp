@@ -1,11 +1,10 @@
-#include "output/status_text.hpp"
+#include "status_text.hpp"
 
 #include <algorithm>
 
 #include "decimal.hpp"
-#include "output/format.hpp"
 
-namespace assur::output {
+namespace assur {
 namespace {
 
 // Times have more digits than other numbers, so that an event can be found by its time.
@@ -35,7 +34,7 @@ std::string place_of(const Event& e) {
     return ", limit of " + e.group;
   }
   if (e.kind != Code::inconsistent) return ", group " + e.group;
-  return ", '" + e.group + "' off by " + number(e.figure) + (e.unit.empty() ? "" : " " + e.unit);
+  return ", '" + e.group + "' off by " + general(e.figure, 6) + (e.unit.empty() ? "" : " " + e.unit);
 }
 
 std::string time_of(const Event& event) {
@@ -44,4 +43,4 @@ std::string time_of(const Event& event) {
   return text + " s";
 }
 
-}  // namespace assur::output
+}  // namespace assur

@@ -6,7 +6,7 @@
 
 #include "assur/report.hpp"
 
-namespace assur::output {
+namespace assur {
 
 // "the mechanism cannot move further (limit_reached)"
 [[nodiscard]] std::string explained(Code code);
@@ -19,4 +19,4 @@ namespace assur::output {
 // ", group G", ", driver D" or ", 'equation' off by 0.001 m"; "" if the event has none.
 [[nodiscard]] std::string place_of(const Event& event);
 
-}  // namespace assur::output
+}  // namespace assur
