@@ -132,9 +132,10 @@ struct Backend {
   bool single = false;        // can factorise in float
   bool steady = false;        // allocates no memory after the first factorisation
   bool keeps_pivots = false;  // starts from the pivots of its last matrix, so that each pack needs its own solver
-  bool fills_lanes = false;   // solves all lanes at once by SIMD; other backends solve them one after the other
+  bool fills_lanes = false;   // solves all lanes at once; other backends solve them one after the other
   bool threads = false;       // may use several threads in one factorisation
   bool takes_turns = false;   // allows one call at a time in a process, so that several threads gain nothing
+  bool device = false;        // computes on a GPU, to and from which each call copies matrices and vectors
   bool own_loops = false;     // its inner loops are compiled with assur, so that times change with the version of assur
 };
 

@@ -6,8 +6,6 @@
 #include <limits>
 #include <utility>
 
-#include "assur/backend.hpp"
-
 namespace assur::eigen {
 namespace {
 
@@ -178,6 +176,25 @@ bool eliminate(const Block<T>& a, std::int32_t* pivot) {
   return true;
 }
 
+template <class T>
+void solve_factored(const Block<T>& lu, const std::int32_t* pivot, const Block<T>& x, Transpose transpose,
+                    DenseIndex first_wanted) {
+  const auto swap = [&](T* column, DenseIndex k) { std::swap(column[k], column[pivot[k] - 1]); };
+  if (transpose == Transpose::no) {  // P A = L U
+    for (DenseIndex r = 0; r < x.columns; ++r) {
+      for (DenseIndex k = 0; k < x.rows; ++k) swap(x.column(r), k);
+    }
+    solve_lower(lu, x);
+    solve_upper(lu, x, first_wanted);
+  } else {  // A' = U' L' P
+    solve_upper_transposed(lu, x);
+    solve_lower_transposed(lu, x);
+    for (DenseIndex r = 0; r < x.columns; ++r) {
+      for (DenseIndex k = x.rows; k-- > 0;) swap(x.column(r), k);
+    }
+  }
+}
+
 template void solve_lower(const Block<double>&, const Block<double>&);
 template void solve_lower(const Block<float>&, const Block<float>&);
 template void solve_upper(const Block<double>&, const Block<double>&, DenseIndex);
@@ -186,6 +203,8 @@ template void solve_upper_transposed(const Block<double>&, const Block<double>&)
 template void solve_upper_transposed(const Block<float>&, const Block<float>&);
 template void solve_lower_transposed(const Block<double>&, const Block<double>&);
 template void solve_lower_transposed(const Block<float>&, const Block<float>&);
+template void solve_factored(const Block<double>&, const std::int32_t*, const Block<double>&, Transpose, DenseIndex);
+template void solve_factored(const Block<float>&, const std::int32_t*, const Block<float>&, Transpose, DenseIndex);
 template bool eliminate(const Block<double>&, std::int32_t*);
 template bool eliminate(const Block<float>&, std::int32_t*);
 

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 
+#include "assur/backend.hpp"
 #include "backends/block.hpp"
 
 namespace assur::eigen {
@@ -23,5 +24,11 @@ template <class T>
 void solve_upper_transposed(const Block<T>& u, const Block<T>& x);  // U' x = x
 template <class T>
 void solve_lower_transposed(const Block<T>& l, const Block<T>& x);  // L' x = x
+
+// a x = x, or a' x = x, by the factors P a = L U. pivot: as LAPACK counts, from 1. Without transposition, unknowns
+// before first_wanted are left undone.
+template <class T>
+void solve_factored(const Block<T>& lu, const std::int32_t* pivot, const Block<T>& x, Transpose transpose,
+                    DenseIndex first_wanted);
 
 }  // namespace assur::eigen

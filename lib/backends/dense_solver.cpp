@@ -13,6 +13,89 @@ namespace {
 
 constexpr std::int32_t kMostDenseUnknowns = 16384;  // 2 GiB for each lane, in double
 
+// Exponent of the largest of n numbers, limited so that two to its power and the inverse are normal numbers; 0 if all
+// are zero or one is not finite.
+int exponent_of(const double* b, DenseIndex n, DenseIndex step) {
+  double largest = 0;
+  for (DenseIndex i = 0; i < n; ++i) largest = std::max(largest, std::abs(b[i * step]));
+  return largest > 0 && std::isfinite(largest) ? std::clamp(std::ilogb(largest), -1000, 1000) : 0;
+}
+
+}  // namespace
+
+std::vector<DenseIndex> dense_places(const Pattern& pattern, DenseIndex stride) {
+  std::vector<DenseIndex> place;
+  place.reserve(pattern.row.size());
+  for (std::size_t j = 0; j < static_cast<std::size_t>(pattern.n); ++j) {
+    for (auto k = pattern.column_start[j]; k < pattern.column_start[j + 1]; ++k) {
+      place.push_back(pattern.row[static_cast<std::size_t>(k)] + static_cast<DenseIndex>(j) * stride);
+    }
+  }
+  return place;
+}
+
+template <class T>
+double spread(const double* values, DenseIndex lanes, std::span<const DenseIndex> place, T* a) {
+  T largest = 0, poison = 0;  // poison: 0 as long as every value is finite, else NaN
+  for (const DenseIndex at : place) {
+    const T value = static_cast<T>(*values);
+    a[at] = value;
+    largest = std::max(largest, std::abs(value));
+    poison += value * 0;
+    values += lanes;
+  }
+  return largest + poison;
+}
+
+template <class T>
+int take_right_side(const double* b, DenseIndex step, DenseIndex n, T* x) {
+  if constexpr (std::is_same_v<T, double>) {
+    for (DenseIndex i = 0; i < n; ++i) x[i] = b[i * step];
+    return 0;
+  } else {
+    const int exponent = exponent_of(b, n, step);
+    const double scale = std::ldexp(1.0, -exponent);
+    for (DenseIndex i = 0; i < n; ++i) x[i] = static_cast<T>(b[i * step] * scale);
+    return exponent;
+  }
+}
+
+template <class T>
+void give_solution(const T* x, DenseIndex n, int exponent, DenseIndex first, double* b, DenseIndex step) {
+  if constexpr (std::is_same_v<T, double>) {
+    for (DenseIndex i = first; i < n; ++i) b[i * step] = x[i];
+  } else {
+    const double scale = std::ldexp(1.0, exponent);
+    for (DenseIndex i = first; i < n; ++i) b[i * step] = x[i] * scale;
+  }
+}
+
+template <class T>
+Figures dense_figures(const Block<T>& lu, const std::int32_t* pivot, double largest_of_matrix) {
+  const auto u = [&](DenseIndex i, DenseIndex j) { return static_cast<double>(lu(i, j)); };
+  double largest = 0, smallest_pivot = std::abs(u(0, 0)), largest_pivot = 0;
+  int sign = 1;
+  for (DenseIndex j = 0; j < lu.columns; ++j) {
+    for (DenseIndex i = 0; i <= j; ++i) largest = std::max(largest, std::abs(u(i, j)));
+    smallest_pivot = std::min(smallest_pivot, std::abs(u(j, j)));
+    largest_pivot = std::max(largest_pivot, std::abs(u(j, j)));
+    if (u(j, j) < 0) sign = -sign;
+    if (pivot[j] != j + 1) sign = -sign;
+  }
+  return {true, largest / largest_of_matrix, smallest_pivot / largest_pivot, sign};
+}
+
+template double spread(const double*, DenseIndex, std::span<const DenseIndex>, double*);
+template double spread(const double*, DenseIndex, std::span<const DenseIndex>, float*);
+template int take_right_side(const double*, DenseIndex, DenseIndex, double*);
+template int take_right_side(const double*, DenseIndex, DenseIndex, float*);
+template void give_solution(const double*, DenseIndex, int, DenseIndex, double*, DenseIndex);
+template void give_solution(const float*, DenseIndex, int, DenseIndex, double*, DenseIndex);
+template Figures dense_figures(const Block<double>&, const std::int32_t*, double);
+template Figures dense_figures(const Block<float>&, const std::int32_t*, double);
+
+namespace {
+
 template <class T>
 class DenseSolver final : public LinearSolver {
  public:
@@ -25,7 +108,6 @@ class DenseSolver final : public LinearSolver {
  private:
   Block<T> matrix(int lane) { return {factors_.data() + lane * n_ * n_, n_, n_, n_}; }
   std::int32_t* pivot(int lane) { return pivot_.data() + lane * n_; }
-  double spread(const double* values, const Block<T>& a);
   Code factorize_lane(const double* values, int lane);
   void solve_lane(double* b_to_x, DenseIndex columns, Transpose transpose, DenseIndex first_wanted, int lane);
 
@@ -47,12 +129,7 @@ Status DenseSolver<T>::analyze(const Pattern& pattern, int lanes) {
   lanes_ = lanes;
   const auto n = static_cast<std::size_t>(n_), w = static_cast<std::size_t>(lanes);
   try {
-    place_.clear();
-    for (std::size_t j = 0; j < n; ++j) {
-      for (auto k = pattern.column_start[j]; k < pattern.column_start[j + 1]; ++k) {
-        place_.push_back(pattern.row[static_cast<std::size_t>(k)] + static_cast<DenseIndex>(j) * n_);
-      }
-    }
+    place_ = dense_places(pattern, n_);
     factors_.resize(w * n * n);
     pivot_.resize(w * n);
     right_.resize(n * kRightSides);
@@ -75,26 +152,12 @@ Status DenseSolver<T>::factorize(std::span<const double> values) {
   return worst(code_);
 }
 
-// Returns max |a|, or NaN if an element is not finite.
-template <class T>
-double DenseSolver<T>::spread(const double* values, const Block<T>& a) {
-  std::fill_n(a.data, n_ * n_, T{0});
-  T largest = 0, poison = 0;  // poison: 0 as long as every value is finite, else NaN
-  for (const DenseIndex place : place_) {
-    const T value = static_cast<T>(*values);
-    a.data[place] = value;
-    largest = std::max(largest, std::abs(value));
-    poison += value * 0;
-    values += lanes_;
-  }
-  return largest + poison;
-}
-
 template <class T>
 Code DenseSolver<T>::factorize_lane(const double* values, int lane) {
   const Block<T> a = matrix(lane);
   double& largest = largest_[static_cast<std::size_t>(lane)];
-  largest = spread(values, a);
+  std::fill_n(a.data, n_ * n_, T{0});
+  largest = spread(values, lanes_, place_, a.data);
   if (!std::isfinite(largest)) return Code::not_finite;
   if (n_ == 0) return Code::ok;
   if (!lu_->factorize(a, pivot(lane))) return Code::singular;
@@ -123,40 +186,18 @@ Status DenseSolver<T>::solve(std::span<double> b_to_x, int rhs, Transpose transp
   return worst(code_);
 }
 
-// Exponent of the largest of n numbers, limited so that two to its power and the inverse are normal numbers; 0 if all
-// are zero or one is not finite.
-int exponent_of(const double* b, DenseIndex n, DenseIndex step) {
-  double largest = 0;
-  for (DenseIndex i = 0; i < n; ++i) largest = std::max(largest, std::abs(b[i * step]));
-  return largest > 0 && std::isfinite(largest) ? std::clamp(std::ilogb(largest), -1000, 1000) : 0;
-}
-
 template <class T>
 void DenseSolver<T>::solve_lane(double* b_to_x, DenseIndex columns, Transpose transpose, DenseIndex first_wanted,
                                 int lane) {
-  constexpr bool kScaled = !std::is_same_v<T, double>;
   const Block<T> x{right_.data(), n_, columns, n_};
   int exponent[kRightSides];
   for (DenseIndex r = 0; r < columns; ++r) {
-    const double* b = b_to_x + r * n_ * lanes_;
-    if constexpr (kScaled) {
-      exponent[r] = exponent_of(b, n_, lanes_);
-      const double scale = std::ldexp(1.0, -exponent[r]);
-      for (DenseIndex i = 0; i < n_; ++i) x(i, r) = static_cast<T>(b[i * lanes_] * scale);
-    } else {
-      for (DenseIndex i = 0; i < n_; ++i) x(i, r) = b[i * lanes_];
-    }
+    exponent[r] = take_right_side(b_to_x + r * n_ * lanes_, lanes_, n_, x.column(r));
   }
   if (transpose == Transpose::yes) first_wanted = 0;
   lu_->solve(matrix(lane), pivot(lane), x, transpose, first_wanted);
   for (DenseIndex r = 0; r < columns; ++r) {
-    double* to = b_to_x + r * n_ * lanes_;
-    if constexpr (kScaled) {
-      const double scale = std::ldexp(1.0, exponent[r]);
-      for (DenseIndex i = first_wanted; i < n_; ++i) to[i * lanes_] = x(i, r) * scale;
-    } else {
-      for (DenseIndex i = first_wanted; i < n_; ++i) to[i * lanes_] = x(i, r);
-    }
+    give_solution(x.column(r), n_, exponent[r], first_wanted, b_to_x + r * n_ * lanes_, lanes_);
   }
 }
 
@@ -164,18 +205,8 @@ template <class T>
 Figures DenseSolver<T>::figures(int lane) const {
   if (code_[static_cast<std::size_t>(lane)] != Code::ok) return {};
   if (n_ == 0) return {true, 1, 1, 1};
-  const T* factors = factors_.data() + lane * n_ * n_;
-  const auto u = [&](DenseIndex i, DenseIndex j) { return static_cast<double>(factors[i + j * n_]); };
-  double largest = 0, smallest_pivot = std::abs(u(0, 0)), largest_pivot = 0;
-  int sign = 1;
-  for (DenseIndex j = 0; j < n_; ++j) {
-    for (DenseIndex i = 0; i <= j; ++i) largest = std::max(largest, std::abs(u(i, j)));
-    smallest_pivot = std::min(smallest_pivot, std::abs(u(j, j)));
-    largest_pivot = std::max(largest_pivot, std::abs(u(j, j)));
-    if (u(j, j) < 0) sign = -sign;
-    if (pivot_[static_cast<std::size_t>(lane * n_ + j)] != j + 1) sign = -sign;
-  }
-  return {true, largest / largest_[static_cast<std::size_t>(lane)], smallest_pivot / largest_pivot, sign};
+  const Block<T> lu{const_cast<T*>(factors_.data()) + lane * n_ * n_, n_, n_, n_};
+  return dense_figures(lu, pivot_.data() + lane * n_, largest_[static_cast<std::size_t>(lane)]);
 }
 
 }  // namespace

@@ -4,7 +4,9 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "assur/backend.hpp"
 #include "backends/block.hpp"
@@ -33,6 +35,27 @@ class DenseLu {
 // they may exceed it.
 template <class T>
 [[nodiscard]] std::unique_ptr<LinearSolver> make_dense_solver(std::unique_ptr<DenseLu<T>> lu);
+
+// ---- parts that solvers share which keep their factors elsewhere
+
+// The place of each nonzero in a dense matrix with this many elements in a column.
+[[nodiscard]] std::vector<DenseIndex> dense_places(const Pattern& pattern, DenseIndex stride);
+
+// a[place[k]] = values[k * lanes]. Returns max |a|, or NaN if a value is not finite in T.
+template <class T>
+double spread(const double* values, DenseIndex lanes, std::span<const DenseIndex> place, T* a);
+
+// x = b[0], b[step], ..., of n numbers. In float, x is scaled by 2^-e, so that it may exceed float; returns e.
+template <class T>
+int take_right_side(const double* b, DenseIndex step, DenseIndex n, T* x);
+
+// The reverse: b[i * step] = x[i] 2^e for i from `first` on.
+template <class T>
+void give_solution(const T* x, DenseIndex n, int exponent, DenseIndex first, double* b, DenseIndex step);
+
+// Figures of a matrix by its factors, n >= 1; pivot: counted from 1. largest: max |a| of the matrix.
+template <class T>
+[[nodiscard]] Figures dense_figures(const Block<T>& lu, const std::int32_t* pivot, double largest);
 
 // The reason if dense factors of this order are too large; else "".
 [[nodiscard]] std::string why_not_dense(const Shape& shape);

@@ -1,7 +1,6 @@
 // Dense LU by Eigen's products, one lane after the other.
 #include <Eigen/Core>
 #include <string>
-#include <utility>
 
 #include "backends/backends.hpp"
 #include "backends/dense_lu.hpp"
@@ -21,20 +20,7 @@ class EigenLu final : public DenseLu<T> {
 
   void solve(const Block<T>& lu, const std::int32_t* pivot, const Block<T>& x, Transpose transpose,
              DenseIndex first_wanted) override {
-    const auto swap = [&](T* column, DenseIndex k) { std::swap(column[k], column[pivot[k] - 1]); };
-    if (transpose == Transpose::no) {  // P A = L U
-      for (DenseIndex r = 0; r < x.columns; ++r) {
-        for (DenseIndex k = 0; k < x.rows; ++k) swap(x.column(r), k);
-      }
-      solve_lower(lu, x);
-      solve_upper(lu, x, first_wanted);
-    } else {  // A' = U' L' P
-      solve_upper_transposed(lu, x);
-      solve_lower_transposed(lu, x);
-      for (DenseIndex r = 0; r < x.columns; ++r) {
-        for (DenseIndex k = x.rows; k-- > 0;) swap(x.column(r), k);
-      }
-    }
+    solve_factored(lu, pivot, x, transpose, first_wanted);
   }
 };
 

@@ -14,6 +14,8 @@ ASSUR_DECLARE_BACKEND(klu)
 ASSUR_DECLARE_BACKEND(umfpack)
 ASSUR_DECLARE_BACKEND(mumps)
 ASSUR_DECLARE_BACKEND(ma27)
+ASSUR_DECLARE_BACKEND(cusolver)
+ASSUR_DECLARE_BACKEND(magma)
 
 namespace {
 
@@ -28,6 +30,9 @@ constexpr std::array kTable = {
     ASSUR_BACKEND(mumps, .licence = "CECILL-C", .takes_turns = true),
     kLanes,
     ASSUR_BACKEND(ma27, .licence = "LicenseRef-HSL", .steady = true),
+    ASSUR_BACKEND(cusolver, .licence = "LicenseRef-CUDA", .dense = true, .single = true, .fills_lanes = true,
+                  .device = true),
+    ASSUR_BACKEND(magma, .licence = "BSD-3-Clause", .dense = true, .single = true, .device = true),
 };
 
 }  // namespace

@@ -12,17 +12,31 @@
 namespace assur {
 namespace {
 
-constexpr double kLeastMeetings = 4;  // meetings of threads within a solver: a factorisation and three solutions
-constexpr double kAccurate = 1e-12;   // backward error of a solution in double, with a margin for growth
+constexpr double kLeastMeetings = 4;        // meetings of threads within a solver: a factorisation and three solutions
+constexpr std::int32_t kWorthDevice = 100;  // unknowns; fewer are solved before a copy to a GPU and back has ended
+constexpr double kAccurate = 1e-12;         // backward error of a solution in double, with a margin for growth
 
 std::string too_inaccurate(const Shape& shape, const Strategy& s, const Scales& scales) {
   const double error = scales.model.backward_error(shape, s);
   return error > kAccurate ? "its solutions had a backward error of " + scientific(error, 1) : "";
 }
 
+// Reason why a GPU is not considered; "" if it is, or if the backend needs none. Asking a GPU takes 0.1 s at the first
+// time, and no prior knows how fast it is.
+std::string not_worth_asking(const Backend& backend, const Shape& shape, const PerformanceModel& model) {
+  if (!backend.device) return "";
+  if (shape.n < kWorthDevice) {
+    return "a GPU is considered from " + std::to_string(kWorthDevice) + " unknowns on";
+  }
+  const Strategy plain{.run = {}, .solver = {.backend = std::string(backend.id)}};
+  const bool unknown = model.kernel(Kernel::factor, shape, plain).origin == Origin::prior;
+  return unknown ? "it was not measured on this machine; assur tune measures it where there is a GPU" : "";
+}
+
 // Reason why a backend cannot be used; "" if it can.
 std::string refused(const Backend& backend, const Shape& shape, const Scales& scales) {
   if (std::find(scales.without.begin(), scales.without.end(), backend.id) != scales.without.end()) return "left out";
+  if (std::string why_not = not_worth_asking(backend, shape, scales.model); !why_not.empty()) return why_not;
   if (std::string why_not = backend.why_not(shape, ThreadBudget{1}); !why_not.empty()) return why_not;
   return too_inaccurate(shape, {.run = {}, .solver = {.backend = std::string(backend.id)}}, scales);
 }

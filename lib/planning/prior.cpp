@@ -40,10 +40,15 @@ double correcting_seconds(const Shape& shape, const Strategy& s) {
   return refines(s) ? 1e-9 * (60 + 25.0 * shape.n + 1.5 * shape.nnz) * width(s, 0.37) : 0;
 }
 
+// An estimate, not measured: launches and copies begin after tens of microseconds, columns are eliminated one after
+// another in a microsecond each, copies move 10 GB/s, and products run at 1 TFLOP/s. `auto` needs samples beside it.
+double device_seconds(double start, double columns, double work) { return 1e-9 * (start + columns + work); }
+
 // `--kernel factor`, and `solvers_bench --benchmark_filter='/factor$'`.
 double plain_factor_seconds(const Shape& shape, const Strategy& s) {
   const auto [n, nnz, fill, operations] = Counts(shape);
   const Backend& backend = properties_of(s.solver.backend);
+  if (backend.device) return device_seconds(50'000, 1'000 * n, s.solver.lanes * (0.8 * n * n + 0.0007 * n * n * n));
   if (backend.fills_lanes) return 1e-9 * (3 + (1.2 * n + 0.6 * operations) * width(s, 0.075));
   if (backend.dense) {
     const double elimination =
@@ -63,6 +68,7 @@ double factor_seconds(const Shape& shape, const Strategy& s) {
 double plain_solve_seconds(const Shape& shape, const Strategy& s) {
   const auto [n, nnz, fill, operations] = Counts(shape);
   const Backend& backend = properties_of(s.solver.backend);
+  if (backend.device) return device_seconds(40'000, 500 * n, s.solver.lanes * 0.01 * n * n);
   if (backend.fills_lanes) return 1e-9 * (5 + (0.9 * n + 0.9 * fill) * width(s, 0.07));
   if (backend.dense) {
     return 1e-9 * s.solver.lanes * (backend.threads ? 25 + 14 * n + 0.2 * n * n : 10 + 8 * n + 0.2 * n * n);

@@ -85,13 +85,12 @@ std::vector<Case> growing() {
   return {wilkinson_case, gfpp_case};
 }
 
-// The elimination of small whole numbers ends at an exact zero. Exceptions are symmetric solvers, and scaling by
-// numbers that are not powers of 2.
+// The elimination of small whole numbers ends at an exact zero. Exceptions are symmetric solvers, scaling by numbers
+// that are not powers of 2, and devices, which may multiply by inverse pivots.
 constexpr double kNoSign = std::numeric_limits<double>::infinity();  // a condition: signs are not tested
-const std::map<std::string_view, Outcome> kInexact = {{"umfpack", Outcome::either},
-                                                      {"mumps", Outcome::either},
-                                                      {"ma27", Outcome::either},
-                                                      {"symmetric_mumps", Outcome::either}};
+const std::map<std::string_view, Outcome> kInexact = {
+    {"umfpack", Outcome::either},  {"mumps", Outcome::either}, {"ma27", Outcome::either},
+    {"cusolver", Outcome::either}, {"magma", Outcome::either}, {"symmetric_mumps", Outcome::either}};
 
 std::vector<Case> refused() {
   return {
@@ -149,6 +148,8 @@ Told told_by(std::string_view id) {
       {"eigen", {.partial_pivoting = true}},
       {"lapack", {.partial_pivoting = true}},
       {"team", {.partial_pivoting = true}},
+      {"cusolver", {.partial_pivoting = true}},
+      {"magma", {.partial_pivoting = true}},
       {"mumps", {.growth = false}},
       {"ma27", {.growth = false, .condition = false, .sign = false}},
       {"symmetric_mumps", {.growth = false, .condition = false, .sign = false}},

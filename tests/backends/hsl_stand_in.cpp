@@ -2,33 +2,14 @@
 // of MA27 (argument lists of its specification, version 1.0.0, section 2.1). As specified, too short workspaces are
 // refused with the length that is needed, singularity is a warning, and nothing is printed.
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
-#include <utility>
+
+#include "backends/column_lu.hpp"
 
 namespace {
 
 // After factorisation, A holds the dense factors, column-major, and IW the exchanged rows.
 constexpr int kTooFewIntegers = -3, kTooFewReals = -4, kRankDeficient = 3;
-
-bool eliminate(double* a, int* exchanged, std::size_t n) {
-  const auto at = [&](std::size_t i, std::size_t j) -> double& { return a[j * n + i]; };
-  for (std::size_t k = 0; k < n; ++k) {
-    std::size_t p = k;
-    for (std::size_t i = k + 1; i < n; ++i) {
-      if (std::abs(at(i, k)) > std::abs(at(p, k))) p = i;
-    }
-    if (at(p, k) == 0) return false;
-    exchanged[k] = static_cast<int>(p);
-    for (std::size_t j = 0; j < n; ++j) std::swap(at(k, j), at(p, j));
-    for (std::size_t i = k + 1; i < n; ++i) at(i, k) /= at(k, k);
-    for (std::size_t j = k + 1; j < n; ++j) {
-      if (at(k, j) == 0) continue;
-      for (std::size_t i = k + 1; i < n; ++i) at(i, j) -= at(i, k) * at(k, j);
-    }
-  }
-  return true;
-}
 
 }  // namespace
 
@@ -82,22 +63,13 @@ void ma27bd_(const int* n, const int* nz, const int* irn, const int* icn, double
     if (i != j) a[i * order + j] += values[k];
   }
   *maxfrt = *n;
-  if (!eliminate(a, iw, order)) info[0] = kRankDeficient;
+  if (assur::test::column_getrf(*n, a, *n, iw) != 0) info[0] = kRankDeficient;
 }
 
 void ma27cd_(const int* n, double* a, const int*, int* iw, const int*, double* w, const int* maxfrt, double* rhs, int*,
              const int*, int*, int* info) {
-  const auto order = static_cast<std::size_t>(*n);
   info[0] = 0;
   std::fill_n(w, *maxfrt, 0.0);
-  const auto at = [&](std::size_t i, std::size_t j) { return a[j * order + i]; };
-  for (std::size_t k = 0; k < order; ++k) std::swap(rhs[k], rhs[iw[k]]);
-  for (std::size_t j = 0; j < order; ++j) {
-    for (std::size_t i = j + 1; i < order; ++i) rhs[i] -= at(i, j) * rhs[j];
-  }
-  for (std::size_t j = order; j-- > 0;) {
-    rhs[j] /= at(j, j);
-    for (std::size_t i = 0; i < j; ++i) rhs[i] -= at(i, j) * rhs[j];
-  }
+  assur::test::column_getrs(false, *n, 1, a, *n, iw, rhs, *n);
 }
 }

@@ -31,7 +31,7 @@ TEST(Backends, PageShowsWhetherEachBackendRuns) {
   ASSERT_EQ(outcome.status, 0);
   const auto lines = outcome.lines();
   ASSERT_GT(lines.size(), backends().size());
-  EXPECT_EQ(lines[0].rfind("  backend  runs here  version", 0), 0u) << lines[0];
+  EXPECT_EQ(lines[0].rfind("  backend   runs here  version", 0), 0u) << lines[0];
   for (std::size_t i = 0; i < backends().size(); ++i) {
     const Backend& backend = backends()[i];
     const std::string why_not = backend.why_not(Shape{}, ThreadBudget{});

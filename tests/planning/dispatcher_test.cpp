@@ -252,9 +252,10 @@ TEST(Dispatcher, LosesNoMoreThanTheModelsUncertainty) {
       for (const std::int32_t groups : {1, 5, 11, 23, 384}) {
         const Shape shape = full ? full_shape(n, groups) : sparse_shape(n, groups);
         // Leaves out candidates of which the artificial machine has no samples.
-        std::vector<Candidate> ranked = candidates(
-            shape,
-            {.model = known, .budget = ThreadBudget{1}, .without = {"lapack", "team", "umfpack", "mumps", "ma27"}});
+        std::vector<Candidate> ranked =
+            candidates(shape, {.model = known,
+                               .budget = ThreadBudget{1},
+                               .without = {"lapack", "team", "umfpack", "mumps", "ma27", "cusolver", "magma"}});
         std::erase_if(ranked, [](const Candidate& c) { return !c.why_not.empty() || c.strategy.solver.single; });
         const auto seconds = [&](const Candidate& c) {
           return std::ceil(static_cast<double>(groups) / c.strategy.solver.lanes) *

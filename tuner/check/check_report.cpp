@@ -5,6 +5,7 @@
 #include <charconv>
 #include <map>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "output/format.hpp"
@@ -72,6 +73,7 @@ void print_failure(Page& page, const Result& r) {
   }
   page.fact("condition", or_dash(r.condition) + ", bound of the forward error " + or_dash(r.bound));
   page.list("notes", r.notes);
+  page.list("left out", {r.left_out.begin(), r.left_out.end()});
   if (!r.what.scene.empty()) page.fact(file_of(r.what), r.what.scene);
   if (const std::string how = r.unexpected.empty() ? "" : how_to_repeat(r.what, r.unexpected[0].strategy);
       !how.empty()) {
@@ -83,6 +85,12 @@ void print_failure(Page& page, const Result& r) {
 
 std::int64_t CheckSummary::passed() const {
   return std::count_if(results.begin(), results.end(), [](const Result& r) { return r.passed(); });
+}
+
+std::vector<std::string> CheckSummary::left_out() const {
+  std::set<std::string> all;
+  for (const Result& r : results) all.insert(r.left_out.begin(), r.left_out.end());
+  return {all.begin(), all.end()};
 }
 
 std::int64_t CheckSummary::runs() const {
@@ -118,7 +126,7 @@ Json to_json(const CheckSummary& s) {
                      {"condition", or_null(r.condition)},
                      {"bound", or_null(r.bound)}});
   }
-  return {{"cases", std::move(cases)}, {"passed", s.passed()}, {"failed", s.failed()}};
+  return {{"cases", std::move(cases)}, {"passed", s.passed()}, {"failed", s.failed()}, {"left_out", s.left_out()}};
 }
 
 void print(Page& page, const CheckSummary& s) {
@@ -134,6 +142,7 @@ void print(Page& page, const CheckSummary& s) {
   page.fact("in all", counted(static_cast<std::int64_t>(s.results.size()), "case") + ", " + counted(s.runs(), "run") +
                           " in " + duration(s.seconds) + (s.interrupted ? "; interrupted" : ""));
   page.fact("unexpected", s.failed() == 0 ? "nothing" : counted(s.failed(), "case"));
+  page.list("left out", s.left_out());
 }
 
 void print_failures(Page& page, const CheckSummary& s) {

@@ -19,6 +19,8 @@ struct CheckSummary {
   [[nodiscard]] std::int64_t passed() const;
   [[nodiscard]] std::int64_t failed() const { return static_cast<std::int64_t>(results.size()) - passed(); }
   [[nodiscard]] std::int64_t runs() const;
+  // Backends that failed to start in some case, each with the reason.
+  [[nodiscard]] std::vector<std::string> left_out() const;
 };
 
 [[nodiscard]] Json to_json(const CheckSummary& summary);

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,7 @@ struct Result {
   std::vector<Run> unexpected;  // runs
   std::vector<std::string>
       notes;  // strategies that were left out, with reasons; the substitute for a missing true motion
+  std::set<std::string> left_out;                       // backends that failed to start, with the reason
   std::optional<double> forward_error, backward_error;  // the worst of all runs
   std::optional<double> condition;                      // condition of the worst posture
   std::optional<double> bound;                          // forward error that theory allows

@@ -102,13 +102,8 @@ class CaseRun {
     result_.add(std::move(run));
   }
 
-  // Notes each reason once.
   void leave_out(const std::string& strategy, const std::string& why) {
-    const Strategy s = parse_strategy(strategy);
-    const std::string what = s.solver.backend + ": " + why;
-    if (std::find(result_.notes.begin(), result_.notes.end(), what) == result_.notes.end()) {
-      result_.notes.push_back(what);
-    }
+    result_.left_out.insert(parse_strategy(strategy).solver.backend + ": " + why);
   }
 
   // Called for the first run that starts.

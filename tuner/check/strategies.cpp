@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <memory>
 #include <utility>
 
 #include "assur/backend.hpp"
-#include "assur/plan.hpp"
 #include "assur/structure.hpp"
 #include "output/format.hpp"
+#include "planning/prior.hpp"
 #include "planning/strategies.hpp"
 #include "planning/together_rules.hpp"
 
@@ -17,6 +16,7 @@ namespace assur::check {
 namespace {
 
 constexpr int kLanes = 8;
+constexpr double kDeviceTime = 10;  // a GPU may take this many times as long: on small groups, launches take most of it
 
 // All policies in double, then in float.
 std::vector<SolverSettings> policies() {
@@ -60,14 +60,16 @@ Demand demand_of(const Scene& scene, Formulation formulation) {
   return demand;
 }
 
-// Seconds of one step, by operation counts; infinite if the backend is not a candidate.
-double seconds_of(const Demand& demand, std::string_view backend) {
-  static const auto kNothingKnown = std::make_shared<const PerformanceModel>();
+// Seconds of one step, by operation counts.
+double seconds_of(const Demand& demand, const std::string& backend) {
   double sum = 0;
   for (const Shape& shape : demand.shapes) {
     double least = HUGE_VAL;
-    for (const Candidate& c : candidates(shape, {.model = kNothingKnown, .budget = ThreadBudget{1}, .without = {}})) {
-      if (c.strategy.solver.backend == backend && c.why_not.empty()) least = std::min(least, c.expected_seconds);
+    for (const int lanes : {1, kLanes}) {
+      const Strategy s{.run = {}, .solver = {.backend = backend, .lanes = lanes}};
+      const double packs = std::ceil(static_cast<double>(shape.groups) / lanes);
+      least = std::min(least, packs * (prior_seconds(Kernel::factor, shape, s) +
+                                       shape.rhs * prior_seconds(Kernel::solve, shape, s)));
     }
     sum += least;
   }
@@ -84,7 +86,7 @@ class Selector {
     double worst = 0;
     for (const Strategy& s : strategies({}, able)) {
       const double takes = seconds_of(demand, s.solver.backend) * static_cast<double>(steps_ + 1);
-      if (takes <= seconds_) continue;
+      if (takes <= seconds_ * (find_backend(able.table, s.solver.backend).device ? kDeviceTime : 1)) continue;
       hopeless.push_back(s.solver.backend);
       worst = std::max(worst, takes);
     }

@@ -14,6 +14,7 @@ constexpr std::int32_t kWorthThreads = 100;  // unknowns from which several thre
 // The turn of a strategy: the most promising ones come first, then each backend once, because time may be short.
 int turn_of(const Backend& backend, const SolverSettings& s) {
   if (s.single) return 3;
+  if (backend.device) return 2;
   if (backend.fills_lanes && (s.lanes == 1 || s.lanes == 8)) return 0;
   return !backend.fills_lanes && s.threads == 1 ? 1 : 2;
 }
