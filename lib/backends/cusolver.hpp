@@ -15,6 +15,7 @@ struct CallTimes {
 
 struct Breakdown {
   CallTimes factorize, solve;  // solve: one right-hand side
+  double backward_error = 0;   // of the solution, maximum norms
 };
 
 // Medians over `calls` factorisations and solutions of one matrix in double, after a first one. why_not() must be "".

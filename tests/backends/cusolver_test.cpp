@@ -45,9 +45,10 @@ TEST(Cusolver, RunsOrSaysWhatIsMissing) {
     EXPECT_EQ(why_not, "");
     EXPECT_EQ(cusolver().version(), "CUDA 13.0, cuSOLVER 12.0.1, Stand-in");
   } else if (dlopen("libcuda.so.1", RTLD_LAZY | RTLD_LOCAL) == nullptr) {
-    EXPECT_EQ(why_not,
-              "no NVIDIA driver (libcuda.so.1) was found: cusolver needs an NVIDIA GPU, its driver, and the libraries of "
-              "CUDA 11, 12 or 13");
+    EXPECT_EQ(
+        why_not,
+        "no NVIDIA driver (libcuda.so.1) was found: cusolver needs an NVIDIA GPU, its driver, and the libraries of "
+        "CUDA 11, 12 or 13");
   }
   EXPECT_EQ(cusolver().make({}, Precision::binary64) == nullptr, !why_not.empty());
   EXPECT_EQ(cusolver().version().empty(), !why_not.empty());
@@ -148,6 +149,8 @@ TEST_F(CusolverOnDevice, TheTimeOfACallIsThatOfItsParts) {
   for (const int n : {18, 400}) {
     const Matrix a = ring(n, random);
     const cusolver::Breakdown b = cusolver::break_down(a.pattern, a.values, 5);
+    EXPECT_LE(b.backward_error, 1e-13) << n;
+    EXPECT_GT(b.backward_error, 0) << n;
     for (const cusolver::CallTimes& times : {b.factorize, b.solve}) {
       EXPECT_GT(times.upload, 0) << n;
       EXPECT_GT(times.compute, 0) << n;

@@ -64,6 +64,10 @@ TEST(PaperConclusions, HoldForThePaperItself) {
   EXPECT_EQ(held, static_cast<int>(all.size()) - 3);
   EXPECT_NE(about(all, "close to four").theirs.find("3.83"), std::string::npos);
   EXPECT_NE(about(all, "between four and eight").theirs.find("3.83 to 7.98"), std::string::npos);
+  EXPECT_EQ(
+      about(all, "GPU is for large").theirs,
+      "time of the GPU over that of 6x2 on the CPU: 55.2 at n = 18, 0.895 at n = 4000; the GPU is faster from n = "
+      "3000 on");
   EXPECT_NE(about(all, "Raspberry").theirs.find("15.9 times the i5's time"), std::string::npos);
 }
 
@@ -80,6 +84,32 @@ TEST(PaperConclusions, AreDecidedByMeasuredTimes) {
   for (const char* words : {"Three OpenMP", "figure 3", "Raspberry", "hybrid parallelism for medium", "GPU"}) {
     EXPECT_EQ(about(all, words).verdict, Verdict::cannot_be_tested) << words;
   }
+}
+
+TEST(PaperConclusions, AGpuIsComparedWithTheCpu) {
+  std::vector<PaperTiming> times;
+  const auto add = [&](const PaperCell& cell, std::string_view version, const Split& split, double seconds) {
+    PaperTiming& t = times.emplace_back();
+    t.cell = cell;
+    t.version = version;
+    t.split = split;
+    t.seconds = seconds;
+  };
+  for (const PaperCell& cell : cells_of_table(5)) {
+    if (cell.n == 3000) continue;  // no time left
+    add(cell, kDense, {2, 1}, 1e-9 * cell.n * cell.n * cell.n);
+    add(cell, kGpu, {}, 0.5 + 1e-12 * cell.n * cell.n * cell.n);
+  }
+  const Conclusion here = about(conclusions(times, 2), "GPU is for large");
+  EXPECT_EQ(here.verdict, Verdict::holds);
+  EXPECT_EQ(
+      here.here,
+      "time of the GPU over that of 2x1 on the CPU: 85734 at n = 18, 0.0088 at n = 4000; the GPU is faster from n "
+      "= 800 on");
+  std::erase_if(times, [](const PaperTiming& t) { return t.cell.n > 200; });
+  EXPECT_EQ(about(conclusions(times, 2), "GPU is for large").here, "not run from n = 18 to 400");
+  std::erase_if(times, [](const PaperTiming& t) { return t.version == kGpu; });
+  EXPECT_EQ(about(conclusions(times, 2), "GPU is for large").here, "no GPU here");
 }
 
 TEST(PaperConclusions, ChangeWithTheTimes) {

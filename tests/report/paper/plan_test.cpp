@@ -103,6 +103,26 @@ TEST(PaperPlan, EachMechanismHasOneContestWithBothReadings) {
   EXPECT_LT(contests(4, true, with).size(), all.size());
 }
 
+TEST(PaperPlan, AGpuTakesPartInTables4And5) {
+  const StandIns with{"lapack", "team", "klu", false, {"cusolver", "magma"}};
+  for (const PaperContest& contest : contests(4, false, with)) {
+    std::set<std::string> on_device;
+    for (const Entrant& e : contest.entrants) {
+      if (e.version != kGpu) continue;
+      on_device.insert(e.strategy);
+      EXPECT_EQ(e.split, Split{});
+    }
+    std::set<std::string> expected;
+    if (contest.cell.iterations > 1) expected = {"groups/cusolver", "groups/cusolver:8", "groups/magma"};
+    if (contest.cell.iterations > 1 && reads_twice(contest.cell)) {
+      expected.insert({"groups/cusolver+separate", "groups/cusolver:8+separate", "groups/magma+separate"});
+    }
+    EXPECT_EQ(on_device, expected) << contest.cell.n;
+  }
+  const Entrant gpu{std::string(kGpu), {}, Reading::shared, "groups/cusolver"};
+  EXPECT_LT(PaperCosts().step(cells_of_table(5).back(), gpu), 60);
+}
+
 TEST(PaperPlan, PlansTheCheapestFirstWithinTheTime) {
   const std::vector<PaperContest> all = contests(2, false, {"lapack", "", "klu", false});
   const PaperCosts costs;

@@ -94,6 +94,40 @@ TEST(PaperSections, MeasurementsCarryTheirOrigin) {
   EXPECT_EQ(ours.origin, "measured, as GMA27 1x1, shared");
 }
 
+TEST(PaperSections, AGpuHasColumnsAndParts) {
+  PaperResults r = made_up();
+  EXPECT_TRUE(has(section(paper_sections(r, PaperOptions()), "paper-table-5").body, "no GPU here"));
+  r.stand_ins.devices = {"cusolver"};
+  r.device_parts = {{18, 9, {{1e-3, 2e-3, 4e-3, 9e-3}, {1e-4, 2e-4, 4e-4, 1e-3}, 3e-16}, 0.04, 0.01}};
+  PaperTiming cpu = made_up("GEOMP+MKL", 2, 1, Reading::shared, 0.1),
+              gpu = made_up("GEMAGMA", 1, 1, Reading::shared, 0.4);
+  cpu.cell = gpu.cell = cells_of_table(5)[0];
+  r.times = {cpu, gpu};
+  const Section five = section(paper_sections(r, PaperOptions()), "paper-table-5");
+  EXPECT_TRUE(has(five.body, "2x1/GPU, here"));
+  EXPECT_TRUE(has(five.body, "<td class=\"number\">0.250</td>"));
+  EXPECT_TRUE(has(five.body, "GPU here: cusolver ("));
+  EXPECT_FALSE(has(five.body, "no GPU here"));
+  EXPECT_TRUE(has(five.body, "LU: launches and rest, ms"));
+  EXPECT_TRUE(has(five.body,
+                  "<tr><td class=\"number\">18</td><td class=\"number\">9.00</td><td class=\"number\">1.00</td>"
+                  "<td class=\"number\">2.00</td><td class=\"number\">4.00</td><td class=\"number\">2.00</td>"))
+      << five.body;
+  EXPECT_TRUE(has(five.body, "LU by lapack 1x2, ms"));
+  EXPECT_TRUE(has(five.body, "<td class=\"number\">40.0</td><td class=\"number\">5.00</td><td"));
+  const auto part = std::find_if(five.measurements.begin(), five.measurements.end(),
+                                 [](const Measurement& m) { return m.quantity == "solution, launches and rest"; });
+  ASSERT_NE(part, five.measurements.end());
+  EXPECT_DOUBLE_EQ(part->value, 3e-4);
+  EXPECT_EQ(part->error, 3e-16);
+
+  gpu.cell = cpu.cell = cells_of_table(4)[0];
+  r.times = {cpu, gpu};
+  const Section four = section(paper_sections(r, PaperOptions()), "paper-table-4");
+  EXPECT_TRUE(has(four.body, "GEOMP+MKL over GPU"));
+  EXPECT_TRUE(has(four.body, "GPU, here, s"));
+}
+
 TEST(PaperSections, EnergyIsMeasuredOrMarkedAsEstimate) {
   PaperResults r = made_up();
   PaperTiming t = made_up("GEOMP+MKL", 2, 1, Reading::shared, 1e-3);

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "output/format.hpp"
+#include "report/paper/plan.hpp"
 
 namespace assur::report {
 namespace {
@@ -253,11 +254,19 @@ Finding wide_for_small_narrow_for_large(const Source& s) {
 }
 
 Finding gpu_for_large_only(const Source& s) {
-  const Ratios r = ratios(s, 5, kGpu, kDense);
-  if (r.all.size() < cells_of_table(5).size()) return {{}, "no GPU here"};
+  const Split wide = s.here ? wide_and_narrow(s.threads).wide : Split{6, 2};
+  const Ratios r = ratios(cells_of_table(5), [&](const PaperCell& c) {
+    return best(s.table(5), c, kGpu) / best(s.table(5), c, kDense, just(wide));
+  });
+  if (r.empty()) return {{}, "no GPU here"};
+  if (!is_first(r.first().cell, 5) || r.last().cell.n < 400) return {{}, "not run from n = 18 to 400"};
+  int from = 0;  // n from which on the GPU is faster; 0: nowhere
+  for (const Ratios::Of& of : r.all) from = of.ratio >= 1 ? 0 : from == 0 ? of.cell.n : from;
+  const auto at = [](const Ratios::Of& of) { return ratio_text(of.ratio) + " at n = " + std::to_string(of.cell.n); };
   return {r.first().ratio > 1 && r.first().ratio > r.last().ratio,
-          "MAGMA takes " + ratio_text(r.first().ratio) + " times as long as the CPU at n = 18, " +
-              ratio_text(r.last().ratio) + " times at n = 4000"};
+          "time of the GPU over that of " + text_of(wide) + " on the CPU: " + at(r.first()) + ", " + at(r.last()) +
+              "; the GPU is faster " +
+              (from == 0 ? "at no n of the table" : "from n = " + std::to_string(from) + " on")};
 }
 
 Finding no_raspberry_pi(const Source&) { return {{}, "no Raspberry Pi here"}; }

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "assur/backend.hpp"
+#include "backends/backends.hpp"
 
 namespace assur::report {
 namespace {
@@ -11,7 +12,8 @@ namespace {
 constexpr int kQuickTotal = 1500, kQuickUnknowns = 144;
 constexpr int kLargeUnknowns = 400;  // large groups of table 5
 
-constexpr std::string_view kMa27 = "ma27";  // the solver of the paper
+constexpr std::string_view kMa27 = "ma27";    // the solver of the paper
+constexpr std::string_view kSixLanes = ":8";  // all six groups at once on a GPU
 
 // The first backend of this build that runs here and has these properties; "" if there is none.
 std::string first(bool (*is)(const Backend&)) {
@@ -35,7 +37,9 @@ class Contests {
     }
     for (const auto& [table, splits] : {std::pair(3, few), {4, few}, {5, {wide, narrow}}}) {
       for (const PaperCell& cell : cells_of_table(table)) {
-        if (wanted(cell)) add_groups(cell, splits);
+        if (!wanted(cell)) continue;
+        add_groups(cell, splits);
+        if (table >= 4) add_devices(cell);
       }
     }
     return std::move(contests_);
@@ -76,6 +80,16 @@ class Contests {
     for (const std::string& strategy : ours()) add(cell, strategy, strategy);
   }
 
+  void add_devices(const PaperCell& cell) {
+    for (const std::string& id : with_.devices) {
+      for (const Reading r : {Reading::shared, Reading::separate}) {
+        if (r == Reading::separate && !reads_twice(cell)) continue;
+        add(cell, kGpu, "groups/" + id, {}, r);
+        if (properties_of(id).fills_lanes) add(cell, kGpu, "groups/" + id + std::string(kSixLanes), {}, r);
+      }
+    }
+  }
+
   void add(const PaperCell& cell, std::string_view version, std::string strategy, const Split& split = {},
            Reading reading = Reading::shared) {
     if (reading == Reading::separate) strategy += "+separate";
@@ -105,6 +119,9 @@ StandIns stand_ins() {
   out.sparse = first([](const Backend& b) { return !b.dense && b.keeps_pivots && !b.fills_lanes; });
   if (out.sparse.empty()) out.sparse = first([](const Backend& b) { return !b.dense && b.keeps_pivots; });
   out.ma27 = find_backend(backends(), kMa27).why_not({}, {}).empty();
+  for (const Backend& b : backends()) {
+    if (b.device && b.why_not({}, {}).empty()) out.devices.emplace_back(b.id);
+  }
   return out;
 }
 
@@ -145,7 +162,8 @@ std::vector<PaperContest> contests(int threads, bool quick, const StandIns& with
 namespace {
 
 constexpr double kPerFlop = 0.5e-9, kPerCopied = 2e-9, kPerUnknown = 0.3e-6;  // s, of a typical processor
-constexpr double kPerEntrant = 0.05, kPerPrepared = 20e-6;                    // s; s for each unknown
+constexpr double kPerLaunch = 1e-4, kPerColumn = 1e-6, kPerFlopOfGpu = 1e-12, kPerCopiedToGpu = 1e-9;  // s, of a GPU
+constexpr double kPerEntrant = 0.05, kPerPrepared = 20e-6;  // s; s for each unknown
 constexpr double kStepsAtLeast = 7;  // steps for the start posture, the verification and three rounds
 
 bool is_dense(const Entrant& e) { return e.version == kGlobalDense || e.version == kDense; }
@@ -153,6 +171,9 @@ bool is_dense(const Entrant& e) { return e.version == kGlobalDense || e.version 
 double counted(const PaperCell& cell, const Entrant& entrant) {
   const double factorisations = cell.iterations + (entrant.reading == Reading::separate ? 2.0 : 1.0);
   const auto of = [&](double n, double times) {
+    if (entrant.version == kGpu) {
+      return times * (kPerLaunch + n * kPerColumn + n * n * kPerCopiedToGpu + 2.0 / 3 * n * n * n * kPerFlopOfGpu);
+    }
     if (!is_dense(entrant)) return times * n * kPerUnknown;
     return times * (2.0 / 3 * n * n * n * kPerFlop + n * n * kPerCopied + n * kPerUnknown);
   };

@@ -12,10 +12,11 @@ namespace assur::report {
 
 // Backends on this machine that replace the solvers of the paper, chosen by their properties; ids.
 struct StandIns {
-  std::string dense;     // for MKL, one thread in each group
-  std::string threaded;  // for MKL with several threads in each of several groups; "": none
-  std::string sparse;    // for MA27
-  bool ma27 = false;     // true if MA27 itself is available, for one thread
+  std::string dense;                      // for MKL, one thread in each group
+  std::string threaded;                   // for MKL with several threads in each of several groups; "": none
+  std::string sparse;                     // for MA27
+  bool ma27 = false;                      // true if MA27 itself is available, for one thread
+  std::vector<std::string> devices = {};  // for MAGMA: all backends on a GPU
 };
 [[nodiscard]] StandIns stand_ins();
 

@@ -143,6 +143,11 @@ class PaperExperiments {
       hold(left);
       left.erase(left.begin());
     }
+    const std::vector<std::string>& devices = out_.stand_ins.devices;
+    if (std::find(devices.begin(), devices.end(), "cusolver") != devices.end()) {
+      out_.device_parts =
+          measure_device_parts(cpu_beside_device(out_.stand_ins.dense, out_.threads), [this] { return stopped(); });
+    }
     out_.interrupted = stopped();
     out_.noise = measure::judge(noise());
     return std::move(out_);

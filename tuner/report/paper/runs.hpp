@@ -8,6 +8,7 @@
 #include "assur/performance.hpp"
 #include "measure/noise.hpp"
 #include "report/energy.hpp"
+#include "report/paper/device_parts.hpp"
 #include "report/paper/plan.hpp"
 #include "report/sections.hpp"
 
@@ -23,6 +24,7 @@ struct PaperOptions {
 struct PaperResults {
   std::vector<PaperTiming> times;  // times of all entrants; entrants that were not run have a reason
   StandIns stand_ins;
+  std::vector<DeviceParts> device_parts = {};  // empty without cusolver
   int threads = 1;
   bool quick = true, interrupted = false;
   measure::Judgement noise = {};

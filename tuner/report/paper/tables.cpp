@@ -63,6 +63,16 @@ Column ratio(const std::string& title, const TimeOf& a, const TimeOf& b) {
   return {title, number, [=](const PaperCell& cell) { return ratio_or_dash(a(cell) / b(cell)); }};
 }
 
+bool has_gpu(const PaperResults& r) { return !r.stand_ins.devices.empty(); }
+
+// "GPU here: cusolver (CUDA 13.0, ...)", or that there is none.
+std::string gpu_here(const PaperResults& r) {
+  std::vector<std::string> names;
+  for (const std::string& id : r.stand_ins.devices) names.push_back(id + " (" + properties_of(id).version() + ")");
+  return has_gpu(r) ? "GPU here: " + output::listed(names) + "; each time is that of the fastest way to use it."
+                    : "No GPU here.";
+}
+
 // Seconds of all steps, as in the paper.
 Column seconds(const std::string& title, const TimeOf& of) {
   return {title, number, [=](const PaperCell& cell) { return ratio_or_dash(of(cell) * cell.steps); }};
@@ -439,6 +449,12 @@ Section table_4(const PaperResults& r, const PaperOptions& options) {
   ratios.push_back(ratio("GEOMP+MKL, here", dense, at_first(4, dense)));
   ratios.push_back(ratio("auto, here", own, at_first(4, own)));
   ratios.push_back(ratio("auto over GEOMP+MKL", dense, own));
+  if (has_gpu(r)) {
+    const TimeOf gpu = time_of(r.times, kGpu);
+    ratios.push_back(ratio("GPU, here", gpu, at_first(4, gpu)));
+    ratios.push_back(ratio("GEOMP+MKL over GPU", dense, gpu));
+    times.push_back(run("GPU, here, s", r.times, kGpu));
+  }
   for (const auto& [name, version, splits] :
        {std::tuple("GEOMP+MKL, here", kDense, split), {"auto, here", kAuto, {}}}) {
     times.push_back(run(std::string(name) + ", s", r.times, version, splits));
@@ -456,7 +472,7 @@ Section table_4(const PaperResults& r, const PaperOptions& options) {
                "Raspberry Pi 2 and 3, Core i5-2400 and Xeon E5-2620. Here: " +
                r.stand_ins.dense + " with " + output::counted(std::min(r.threads, 4), "thread") +
                ". Times over the time in the first row:") +
-           tall(table_of_cells(4, ratios)) +
+           paragraph(gpu_here(r)) + tall(table_of_cells(4, ratios)) +
            faint(
                "Absolute times (s) and energies (J) of 300 steps. Paper: time x 4 W for RP2, 5 W for RP3 (4 W in its "
                "text), 15 W for the i5, 95 W for the E5 (one of two processors).") +
@@ -485,27 +501,33 @@ Section table_5(const PaperResults& r) {
   const std::string w = text_of(wide), n = text_of(narrow);
   const TimeOf six_two = time_of(theirs, kDense, just({6, 2})), two_six = time_of(theirs, kDense, just({2, 6})),
                gpu = time_of(theirs, kGpu), here_wide = time_of(here, kDense, just(wide)),
-               here_narrow = time_of(here, kDense, just(narrow)), own = time_of(here, kAuto);
+               here_narrow = time_of(here, kDense, just(narrow)), own = time_of(here, kAuto),
+               gpu_here_times = time_of(here, kGpu);
+  std::vector<Column> times = {terminal(),
+                               unknowns(),
+                               seconds("6x2, paper", six_two),
+                               seconds(w + ", here", here_wide),
+                               seconds("2x6, paper", two_six),
+                               seconds(n + ", here", here_narrow),
+                               seconds("MAGMA, paper", gpu)};
+  if (has_gpu(r)) times.push_back(seconds("GPU, here", gpu_here_times));
+  times.push_back(seconds("auto, here", own));
   Section s{"paper-table-5", "Table 5: large groups, CPU and GPU"};
-  s.body =
-      paragraph(
-          "10 steps of 10 iterations, six groups. Paper: OpenMP x MKL threads of two Xeon E5-2620 (12 cores) and "
-          "MAGMA on a GTX 950. Here: " +
-          w + " replaces 6x2, and " + n + " replaces 2x6, with " + output::counted(r.threads, "thread") +
-          "; no GPU. From n = 400 on, only the variant with 11 instead of 12 factorisations in a step is run. Ratios "
-          "of "
-          "times:") +
-      tall(table_of_cells(5, {terminal(),
-                              unknowns(),
-                              ratio("6x2/2x6, paper", six_two, two_six),
-                              ratio(w + "/" + n + ", here", here_wide, here_narrow),
-                              ratio("6x2/MAGMA, paper", six_two, gpu),
-                              {"MAGMA, here", text, [](const PaperCell&) { return "no GPU here"; }},
-                              ratio(w + "/auto, here", here_wide, own)})) +
-      faint("Absolute times in s for 10 steps.") +
-      small(table_of_cells(5, {terminal(), unknowns(), seconds("6x2, paper", six_two), seconds(w + ", here", here_wide),
-                               seconds("2x6, paper", two_six), seconds(n + ", here", here_narrow),
-                               seconds("MAGMA, paper", gpu), seconds("auto, here", own)}));
+  s.body = paragraph(
+               "10 steps of 10 iterations, six groups. Paper: OpenMP x MKL threads of two Xeon E5-2620 (12 cores) and "
+               "MAGMA on a GTX 950. Here: " +
+               w + " replaces 6x2, and " + n + " replaces 2x6, with " + output::counted(r.threads, "thread") +
+               ". From n = 400 on, only the variant with 11 instead of 12 factorisations in a step is run. Ratios of "
+               "times:") +
+           paragraph(gpu_here(r)) +
+           tall(table_of_cells(
+               5, {terminal(), unknowns(), ratio("6x2/2x6, paper", six_two, two_six),
+                   ratio(w + "/" + n + ", here", here_wide, here_narrow), ratio("6x2/MAGMA, paper", six_two, gpu),
+                   has_gpu(r) ? ratio(w + "/GPU, here", here_wide, gpu_here_times)
+                              : Column{"GPU, here", text, [](const PaperCell&) { return "no GPU here"; }},
+                   ratio(w + "/auto, here", here_wide, own)})) +
+           faint("Absolute times in s for 10 steps.") + small(table_of_cells(5, times));
+  add_device_parts(s, r.device_parts, cpu_beside_device(r.stand_ins.dense, r.threads));
   finish(s, r, 5);
   return s;
 }
