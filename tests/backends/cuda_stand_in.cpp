@@ -77,10 +77,11 @@ class Device {
   }
   void work(Stream& stream) {
     const std::lock_guard lock(turn_);
-    mprotect(base_, size_, PROT_READ | PROT_WRITE);
+    const std::size_t used = blocks_.empty() ? 0 : blocks_.rbegin()->second;  // pages beyond stay out of reach
+    mprotect(base_, used, PROT_READ | PROT_WRITE);
     for (const auto& step : stream.work) step();
     stream.work.clear();
-    mprotect(base_, size_, PROT_NONE);
+    mprotect(base_, used, PROT_NONE);
   }
 
   int objects = 0;  // memory of the host, streams, events and handles
