@@ -175,10 +175,13 @@ Library load() {
 
 }  // namespace
 
-std::string why_no_driver() {
-  if (dlopen(kDriver, RTLD_LAZY | RTLD_LOCAL) != nullptr) return "";
-  return std::string("no NVIDIA driver (") + kDriver +
-         ") was found: cusolver needs an NVIDIA GPU, its driver, and the libraries of CUDA 11, 12 or 13";
+const std::string& why_no_driver() {
+  static const std::string kWhyNot =
+      dlopen(kDriver, RTLD_LAZY | RTLD_LOCAL) != nullptr
+          ? ""
+          : std::string("no NVIDIA driver (") + kDriver +
+                ") was found: cusolver needs an NVIDIA GPU, its driver, and the libraries of CUDA 11, 12 or 13";
+  return kWhyNot;
 }
 
 const Library& library() {

@@ -73,7 +73,7 @@ inline constexpr unsigned kNonBlocking = 1;           // a stream that does not 
 [[nodiscard]] const Library& library();
 
 // The reason why this computer has no driver for NVIDIA devices, with a remedy; "" if it has one.
-[[nodiscard]] std::string why_no_driver();
+[[nodiscard]] const std::string& why_no_driver();
 
 // ---- errors: all throw Error (environment) with the name of the function
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "backends/backends.hpp"
+#include "backends/cuda.hpp"
 #include "decimal.hpp"
 #include "parallel/machine.hpp"
 #include "planning/counts.hpp"
@@ -22,9 +23,9 @@ std::string too_inaccurate(const Shape& shape, const Strategy& s, const Scales& 
 }
 
 // Reason why a GPU is not considered; "" if it is, or if the backend needs none. Asking a GPU takes 0.1 s at the first
-// time, and no prior knows how fast it is.
+// time, and no prior knows how fast it is. Without a driver, the backend answers at once.
 std::string not_worth_asking(const Backend& backend, const Shape& shape, const PerformanceModel& model) {
-  if (!backend.device) return "";
+  if (!backend.device || !cuda::why_no_driver().empty()) return "";
   if (shape.n < kWorthDevice) {
     return "a GPU is considered from " + std::to_string(kWorthDevice) + " unknowns on";
   }

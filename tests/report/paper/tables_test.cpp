@@ -104,7 +104,7 @@ TEST(PaperSections, AGpuHasColumnsAndParts) {
   cpu.cell = gpu.cell = cells_of_table(5)[0];
   r.times = {cpu, gpu};
   const Section five = section(paper_sections(r, PaperOptions()), "paper-table-5");
-  EXPECT_TRUE(has(five.body, "2x1/GPU, here"));
+  EXPECT_TRUE(has(five.body, "2x1/<wbr>GPU, here"));
   EXPECT_TRUE(has(five.body, "<td class=\"number\">0.250</td>"));
   EXPECT_TRUE(has(five.body, "GPU here: cusolver ("));
   EXPECT_FALSE(has(five.body, "no GPU here"));
@@ -124,7 +124,7 @@ TEST(PaperSections, AGpuHasColumnsAndParts) {
   gpu.cell = cpu.cell = cells_of_table(4)[0];
   r.times = {cpu, gpu};
   const Section four = section(paper_sections(r, PaperOptions()), "paper-table-4");
-  EXPECT_TRUE(has(four.body, "GEOMP+MKL over GPU"));
+  EXPECT_TRUE(has(four.body, "GEOMP+<wbr>MKL over GPU"));
   EXPECT_TRUE(has(four.body, "GPU, here, s"));
 }
 
