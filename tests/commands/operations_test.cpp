@@ -183,11 +183,11 @@ TEST(Operations, AnInterruptedReportIsWritten) {
 }
 
 TEST(Operations, ProgressBarFitsTheTerminal) {
-  const Scratch scratch;
+  const std::vector<std::string> words = {"check", "four_bar", "slider_crank", "jansen", "--quick"};
   Setting setting;
   setting.columns = 20;
   setting.before = [] { setenv("TERM", "xterm", 1); };
-  const std::string drawn = run_tuning(3, {"--db", scratch.file("t.db")}, setting).err;
+  const std::string drawn = run_command(words, setting).err;
   const std::string erase = "\r\x1b[K";
   ASSERT_NE(drawn.find(erase), std::string::npos);
   int bars = 0;
@@ -200,7 +200,7 @@ TEST(Operations, ProgressBarFitsTheTerminal) {
   }
   EXPECT_GT(bars, 0);
   setting.before = [] { setenv("TERM", "dumb", 1); };
-  EXPECT_EQ(run_tuning(3, {"--db", scratch.file("t.db")}, setting).err.find('\x1b'), std::string::npos);
+  EXPECT_EQ(run_command(words, setting).err.find('\x1b'), std::string::npos);
 }
 
 // A page on a terminal fits its columns and keeps its words. A wide terminal gets the same page as a file.
