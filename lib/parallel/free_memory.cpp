@@ -52,7 +52,8 @@ double below_limit(const std::filesystem::path& root, int resource, StatmField t
 
 double free_memory(const std::filesystem::path& root) {
   const double group = cgroup_memory(root);
-  const double addresses = std::max(0.0, static_cast<double>(UINTPTR_MAX) - statm(root, kSize));  // few with 32 bits
+  const bool few_addresses = UINTPTR_MAX == UINT32_MAX;
+  const double addresses = few_addresses ? std::max(0.0, 0x1p32 - statm(root, kSize)) : HUGE_VAL;
   return std::min({available(root), group > 0 ? group : HUGE_VAL, below_limit(root, RLIMIT_AS, kSize),
                    below_limit(root, RLIMIT_DATA, kData), addresses});
 }
