@@ -1,4 +1,5 @@
-// Hot loops for counting instructions; arguments: SCENE, STRATEGY and a number of steps. Only run_hot_loop() is counted
+// Hot loops for counting instructions; arguments: SCENE, STRATEGY, a number of steps, and a fixed number of iterations
+// as in table 4 of the paper (0, the default: until the residual is small). Only run_hot_loop() is counted
 // (instructions.sh names it to callgrind), not the preparation and the first steps. SCENE may be "joints=NAME" or
 // "by_hand=NAME", one of the mechanisms of tests/simulation/by_hand.hpp.
 #include <cstdint>
@@ -11,7 +12,8 @@
 
 namespace {
 
-constexpr std::int64_t kWarm = 20;  // steps
+// Steps before those that are counted. With a fixed number of iterations all steps take the same work.
+constexpr std::int64_t kWarm = 20, kWarmIfFixed = 2;
 
 assur::Scene scene_of(const std::string& text) {
   const std::string way = text.substr(0, text.find('=')), name = text.substr(text.find('=') + 1);
@@ -36,18 +38,20 @@ extern "C" [[gnu::noinline]] bool run_hot_loop(assur::Simulator& simulator, cons
 }
 
 int main(int argc, char** argv) {
-  if (argc != 4) {
-    std::fprintf(stderr, "usage: %s SCENE STRATEGY STEPS\n", argv[0]);
+  if (argc != 4 && argc != 5) {
+    std::fprintf(stderr, "usage: %s SCENE STRATEGY STEPS [ITERATIONS]\n", argv[0]);
     return 2;
   }
   try {
     const assur::Scene scene = scene_of(argv[1]);
-    assur::Simulator simulator(assur::prepare(scene, {argv[2], {}}));
-    const std::int64_t steps = std::stoll(argv[3]);
-    for (std::int64_t k = 1; k <= kWarm; ++k) {
+    assur::StepLimits limits;
+    if (argc == 5) limits.iterations = std::stoi(argv[4]);
+    assur::Simulator simulator(assur::prepare(scene, {argv[2], {}}), limits);
+    const std::int64_t steps = std::stoll(argv[3]), warm = limits.iterations > 0 ? kWarmIfFixed : kWarm;
+    for (std::int64_t k = 1; k <= warm; ++k) {
       if (!simulator.step(scene.time().time(k)).arrived()) return 1;
     }
-    if (!run_hot_loop(simulator, scene.time(), kWarm + 1, steps)) return 1;
+    if (!run_hot_loop(simulator, scene.time(), warm + 1, steps)) return 1;
     std::printf("position error %.3g\n", simulator.report().error.position);
     return 0;
   } catch (const std::exception& error) {

@@ -20,7 +20,7 @@ struct Cache {
 
 // Description of the machine, as far as plans depend on it.
 struct Machine {
-  std::string model;                // name of the processor from /proc/cpuinfo; "" if unknown
+  std::string model;                // name of the processor, or of the board of an ARM processor; "" if unknown
   std::string instructions;         // widest set that this library can use, named as in Highway: "AVX2"
   std::vector<std::int32_t> cores;  // usable physical cores; for each, the number of one logical processor, for pinning
   std::int32_t processors = 1;      // logical processors in the affinity mask; more than cores with hyper-threading

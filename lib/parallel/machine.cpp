@@ -22,7 +22,11 @@ std::string model_name(const std::filesystem::path& root) {
     const auto colon = line.find(": ");
     if (line.rfind("model name", 0) == 0 && colon != std::string::npos) return line.substr(colon + 2);
   }
-  return "";
+  // Linux does not name 64-bit ARM processors, but the board: "Raspberry Pi 3 Model B Rev 1.2", which ends with NUL.
+  std::ifstream board(root / "proc/device-tree/model");
+  std::string name;
+  std::getline(board, name, '\0');
+  return name;
 }
 
 // 4 for "4" and for "4,2" (nested regions); 0 if it is not a number >= 1.

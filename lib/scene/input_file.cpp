@@ -48,7 +48,9 @@ InputFile read_all(int file, std::uintmax_t told, std::uintmax_t most) {
   InputFile input;
   std::size_t size = 0;
   for (;;) {
-    if (size == input.text.size()) input.text.resize(size == 0 ? std::max<std::uintmax_t>(told + 1, 4096) : 2 * size);
+    if (size == input.text.size()) {
+      input.text.resize(size == 0 ? static_cast<std::size_t>(std::max<std::uintmax_t>(told + 1, 4096)) : 2 * size);
+    }
     const ssize_t more = ::read(file, input.text.data() + size, input.text.size() - size);
     if (more < 0 && errno == EINTR) continue;
     if (more < 0) return {"", reason_of(errno)};

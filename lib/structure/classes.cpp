@@ -11,11 +11,11 @@ constexpr Index kAbsent = -2;
 
 class Hash {
  public:
-  void add(Index v) { h_ = (h_ ^ static_cast<std::size_t>(static_cast<std::uint32_t>(v))) * 1099511628211ULL; }
-  [[nodiscard]] std::size_t value() const { return h_; }
+  void add(Index v) { h_ = (h_ ^ static_cast<std::uint32_t>(v)) * 1099511628211ULL; }
+  [[nodiscard]] std::size_t value() const { return static_cast<std::size_t>(h_); }
 
  private:
-  std::size_t h_ = 1469598103934665603ULL;
+  std::uint64_t h_ = 1469598103934665603ULL;
 };
 
 std::size_t hash(const GroupClass& c) {

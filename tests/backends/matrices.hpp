@@ -66,7 +66,7 @@ inline Matrix sparse(int n, int more, Random& random) {
   std::vector<std::vector<bool>> in(static_cast<std::size_t>(n), std::vector<bool>(static_cast<std::size_t>(n)));
   for (std::size_t j = 0; j < in.size(); ++j) {
     in[j][static_cast<std::size_t>(diagonal[j])] = true;
-    for (int k = 0; k < more; ++k) in[j][fixed() % in.size()] = true;
+    for (int k = 0; k < more; ++k) in[j][static_cast<std::size_t>(fixed() % in.size())] = true;
   }
   return compress(
       n, [&](int i, int j) { return in[static_cast<std::size_t>(j)][static_cast<std::size_t>(i)]; },

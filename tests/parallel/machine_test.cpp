@@ -70,6 +70,18 @@ TEST(Machine, IsReadFromTheFilesOfLinux) {
   EXPECT_FALSE(machine.instructions.empty());
 }
 
+// On 64-bit ARM Linux names no processor, and lists caches only if the firmware describes them.
+TEST(Machine, IsNamedByItsBoard) {
+  FileTree tree;
+  tree.file("proc/cpuinfo", "processor\t: 0\nCPU implementer\t: 0x41\nCPU part\t: 0xd03\n");
+  tree.file("proc/device-tree/model", std::string("Raspberry Pi 3 Model B Rev 1.2\0", 31));
+  const Machine machine = read_machine(tree.root(), first(4), "");
+  EXPECT_EQ(machine.model, "Raspberry Pi 3 Model B Rev 1.2");
+  EXPECT_EQ(machine.cores, first(4));
+  EXPECT_TRUE(machine.caches.empty());
+  EXPECT_EQ(machine.numa_nodes, 1);
+}
+
 TEST(Machine, HasTheCoresOfTheAffinityMask) {
   FileTree tree;
   lay_out_cores(tree);
