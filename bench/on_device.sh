@@ -46,8 +46,8 @@ part() {  # NAME SECONDS COMMAND...
 part backends 20 ./assur backends
 part contract 90 ./backends_test --gtest_filter='Cusolver*:Magma*:*cusolver*:*magma*'
 part tune 70 ./assur tune --budget 50 --csv results/samples.csv
-part report 180 ./assur report --quick --budget 140 --out results/report
-part check 120 ./assur check --quick
+part report 200 ./assur report --quick --budget 130 --out results/report
+part check 100 ./assur check --quick
 END
 chmod +x "$packed/run"
 

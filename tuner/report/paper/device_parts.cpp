@@ -72,7 +72,12 @@ std::vector<DeviceParts> measure_device_parts(const std::string& on_cpu, const s
     DeviceParts& parts = all.emplace_back();
     parts.n = cell.n;
     parts.calls = kCalls;
-    parts.times = cusolver::break_down(m.pattern, m.values[0], kCalls);
+    try {
+      parts.times = cusolver::break_down(m.pattern, m.values[0], kCalls);
+    } catch (const Error& error) {
+      parts.why_not = error.what();
+      break;
+    }
     measure::Linear linear(m, strategy, backend);
     if (!linear.refused().empty()) continue;
     parts.cpu_lu = median_of_calls(linear.factor());
@@ -86,9 +91,11 @@ void add_device_parts(Section& section, const std::vector<DeviceParts>& parts, c
   std::vector<Column> columns = {{"n", number, [](const DeviceParts& p) { return std::to_string(p.n); }}};
   for (const NamedCall& call : kBoth) {
     for (const Part& part : kParts) {
-      columns.push_back({std::string(call.name) + ": " + part.name + ", ms", number,
-                         [&](const DeviceParts& p) { return ms(part.seconds(p.times.*call.times)); }});
+      columns.push_back({std::string(call.name) + ": " + part.name + ", ms", number, [&](const DeviceParts& p) {
+                           return p.why_not.empty() ? ms(part.seconds(p.times.*call.times)) : "-";
+                         }});
       for (const DeviceParts& p : parts) {
+        if (!p.why_not.empty()) continue;
         section.measurements.push_back({item(p), "cusolver", std::string(call.name) + ", " + part.name, "s",
                                         part.seconds(p.times.*call.times), "measured", p.calls, 0,
                                         p.times.backward_error});
@@ -101,8 +108,10 @@ void add_device_parts(Section& section, const std::vector<DeviceParts>& parts, c
                        const double gpu = p.times.factorize.whole + p.times.solve.whole;
                        return std::isnan(p.cpu_lu) ? "-" : ratio_text((p.cpu_lu + p.cpu_solution) / gpu);
                      }});
-  columns.push_back({"backward error on the GPU", number,
-                     [](const DeviceParts& p) { return output::error_figure(p.times.backward_error); }});
+  columns.push_back({"backward error on the GPU", number, [](const DeviceParts& p) {
+                       return p.why_not.empty() ? output::error_figure(p.times.backward_error) : "-";
+                     }});
+  columns.push_back({"", words, [](const DeviceParts& p) { return p.why_not; }});
   for (const DeviceParts& p : parts) {
     if (std::isnan(p.cpu_lu)) continue;
     section.measurements.push_back({item(p), cpu, "LU, whole", "s", p.cpu_lu, "measured", 3});

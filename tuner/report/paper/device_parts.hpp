@@ -15,10 +15,11 @@ struct DeviceParts {
   int n = 0, calls = 0;
   cusolver::Breakdown times;
   double cpu_lu = kNan, cpu_solution = kNan;  // of the processor, just after those of the GPU
+  std::string why_not = {};                   // the reason why the GPU has no times; "": it has
 };
 
 // For the groups of table 5. on_cpu: strategy for the times of the processor. cusolver must run here. Ends early if it
-// is interrupted.
+// is interrupted, or at the first n that the GPU cannot solve.
 [[nodiscard]] std::vector<DeviceParts> measure_device_parts(const std::string& on_cpu,
                                                             const std::function<bool()>& interrupted);
 
