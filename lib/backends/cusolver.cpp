@@ -22,9 +22,8 @@
 namespace assur::cusolver {
 namespace {
 
-constexpr std::int32_t kMostBatched =
-    128;                                   // unknowns up to which cuBLAS factorises all lanes at once; not measured yet
-constexpr double kSmallMemory = 64 << 20;  // bytes that every device has
+constexpr std::int32_t kMostBatched = 128;  // unknowns up to which cuBLAS factorises all lanes; not measured yet
+constexpr double kSmallMemory = 64 << 20;   // bytes that every device has
 
 using cuda::check;
 using cuda::check_cuda;
@@ -52,7 +51,8 @@ class CusolverSolver final : public LinearSolver {
   void set_mark(std::size_t mark) const {
     if (marks_) marks_->set(mark, *queue_);
   }
-  // One number more in each lane than n columns need, so that the diagonals of all lanes are n + 1 numbers apart.
+  // From lane to lane: one column more than the matrix has, so that the diagonal elements of all lanes are evenly
+  // spaced, by n + 1 numbers.
   [[nodiscard]] DenseIndex step() const { return n_ * (n_ + 1); }
   [[nodiscard]] T* matrix(DenseIndex lane) const { return device_.matrices.data() + lane * step(); }
   [[nodiscard]] int order() const { return static_cast<int>(n_); }
