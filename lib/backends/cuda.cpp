@@ -167,8 +167,7 @@ Library load() {
   if (first.why_not.empty()) {
     first.why_not =
         "no CUDA libraries were found (libcudart, libcublas and libcusolver of CUDA 11, 12 or 13): install CUDA, and "
-        "put "
-        "the folder of its libraries into LD_LIBRARY_PATH";
+        "put the folder of its libraries into LD_LIBRARY_PATH";
   }
   return first;
 }
