@@ -1,10 +1,9 @@
 #include "backends/cuda.hpp"
 
-#include <dlfcn.h>
-
 #include <array>
 
 #include "assur/status.hpp"
+#include "backends/shared_library.hpp"
 #include "decimal.hpp"
 
 namespace assur::cuda {
@@ -19,30 +18,9 @@ constexpr std::array kReleases = {Release{"libcudart.so.13", "libcublas.so.13", 
                                   Release{"libcudart.so.11.0", "libcublas.so.11", "libcusolver.so.11"}};
 constexpr const char* kDriver = "libcuda.so.1";
 
-// Looks for functions in one library after another, and remembers the first one that is missing.
-class Finder {
- public:
-  bool open(const char* name) {
-    library_ = dlopen(name, RTLD_LAZY | RTLD_LOCAL);  // stays loaded until the program ends
-    name_ = name;
-    return library_ != nullptr;
-  }
-  template <typename Function>
-  void find(const char* name, Function*& function) {
-    function = reinterpret_cast<Function*>(dlsym(library_, name));
-    if (function == nullptr && missing_.empty()) missing_ = std::string(name_) + " has no " + name;
-  }
-  [[nodiscard]] const std::string& missing() const { return missing_; }
+#define ASSUR_FIND(NAME) in.find(#NAME, out.NAME)
 
- private:
-  void* library_ = nullptr;
-  const char* name_ = "";
-  std::string missing_;
-};
-
-#define ASSUR_FIND(NAME) finder.find(#NAME, out.NAME)
-
-void find_runtime(Finder& finder, Library& out) {
+void find_runtime(SharedLibrary& in, Library& out) {
   ASSUR_FIND(cudaGetDeviceCount);
   ASSUR_FIND(cudaDriverGetVersion);
   ASSUR_FIND(cudaRuntimeGetVersion);
@@ -64,29 +42,29 @@ void find_runtime(Finder& finder, Library& out) {
   ASSUR_FIND(cudaGetErrorString);
 }
 
-void find_blas(Finder& finder, Library& out) {
+void find_blas(SharedLibrary& in, Library& out) {
   ASSUR_FIND(cublasCreate_v2);
   ASSUR_FIND(cublasDestroy_v2);
   ASSUR_FIND(cublasSetStream_v2);
-  finder.find("cublasDgetrfBatched", out.in_double.getrf_batched);
-  finder.find("cublasSgetrfBatched", out.in_float.getrf_batched);
-  finder.find("cublasDgetrsBatched", out.in_double.getrs_batched);
-  finder.find("cublasSgetrsBatched", out.in_float.getrs_batched);
-  finder.find("cublasDcopy_v2", out.in_double.copy);
-  finder.find("cublasScopy_v2", out.in_float.copy);
+  in.find("cublasDgetrfBatched", out.in_double.getrf_batched);
+  in.find("cublasSgetrfBatched", out.in_float.getrf_batched);
+  in.find("cublasDgetrsBatched", out.in_double.getrs_batched);
+  in.find("cublasSgetrsBatched", out.in_float.getrs_batched);
+  in.find("cublasDcopy_v2", out.in_double.copy);
+  in.find("cublasScopy_v2", out.in_float.copy);
 }
 
-void find_solver(Finder& finder, Library& out) {
+void find_solver(SharedLibrary& in, Library& out) {
   ASSUR_FIND(cusolverGetVersion);
   ASSUR_FIND(cusolverDnCreate);
   ASSUR_FIND(cusolverDnDestroy);
   ASSUR_FIND(cusolverDnSetStream);
-  finder.find("cusolverDnDgetrf_bufferSize", out.in_double.getrf_size);
-  finder.find("cusolverDnSgetrf_bufferSize", out.in_float.getrf_size);
-  finder.find("cusolverDnDgetrf", out.in_double.getrf);
-  finder.find("cusolverDnSgetrf", out.in_float.getrf);
-  finder.find("cusolverDnDgetrs", out.in_double.getrs);
-  finder.find("cusolverDnSgetrs", out.in_float.getrs);
+  in.find("cusolverDnDgetrf_bufferSize", out.in_double.getrf_size);
+  in.find("cusolverDnSgetrf_bufferSize", out.in_float.getrf_size);
+  in.find("cusolverDnDgetrf", out.in_double.getrf);
+  in.find("cusolverDnSgetrf", out.in_float.getrf);
+  in.find("cusolverDnDgetrs", out.in_double.getrs);
+  in.find("cusolverDnSgetrs", out.in_float.getrs);
 }
 
 #undef ASSUR_FIND
@@ -114,12 +92,12 @@ std::string why_no_device(const Library& cuda) {
 
 // The name of the first device, by the driver; "" if it does not tell.
 std::string device_name() {
-  Finder finder;
+  SharedLibrary in;
   int (*get)(int* device, int number) = nullptr;
   int (*name)(char* name, int size, int device) = nullptr;
-  if (!finder.open(kDriver)) return "";
-  finder.find("cuDeviceGet", get);
-  finder.find("cuDeviceGetName", name);
+  if (!in.open(kDriver)) return "";
+  in.find("cuDeviceGet", get);
+  in.find("cuDeviceGetName", name);
   std::array<char, 256> text{};
   int device = 0;
   const bool told =
@@ -138,20 +116,20 @@ std::string version_of(const Library& cuda) {
 
 Library load_release(const Release& names) {
   Library out{};
-  Finder finder;
-  if (!finder.open(names.runtime)) return out;
-  find_runtime(finder, out);
-  if (finder.missing().empty()) out.why_not = why_no_device(out);  // before the larger libraries are loaded
+  SharedLibrary in;
+  if (!in.open(names.runtime)) return out;
+  find_runtime(in, out);
+  if (in.missing().empty()) out.why_not = why_no_device(out);  // before the larger libraries are loaded
   if (!out.why_not.empty()) return out;
   for (const char* const name : {names.blas, names.solver}) {
-    if (!finder.open(name)) {
+    if (!in.open(name)) {
       out.why_not = std::string(names.runtime) + " was found without " + name +
                     "; install this part of CUDA too, or put its folder into LD_LIBRARY_PATH";
       return out;
     }
-    name == names.blas ? find_blas(finder, out) : find_solver(finder, out);
+    name == names.blas ? find_blas(in, out) : find_solver(in, out);
   }
-  out.why_not = finder.missing();
+  out.why_not = in.missing();
   if (out.why_not.empty()) out.version = version_of(out);
   return out;
 }
@@ -176,7 +154,7 @@ Library load() {
 
 const std::string& why_no_driver() {
   static const std::string kWhyNot =
-      dlopen(kDriver, RTLD_LAZY | RTLD_LOCAL) != nullptr
+      SharedLibrary().open(kDriver)
           ? ""
           : std::string("no NVIDIA driver (") + kDriver +
                 ") was found: cusolver needs an NVIDIA GPU, its driver, and the libraries of CUDA 11, 12 or 13";

@@ -1,7 +1,5 @@
 // HSL MA27 (Duff & Reid 1983), symmetric indefinite LDL', on the augmented matrix. Its licence forbids redistribution,
 // so it is loaded at run time from a library that the user has built, under the names that HSL and Ipopt use.
-#include <dlfcn.h>
-
 #include <algorithm>
 #include <array>
 #include <memory>
@@ -10,6 +8,7 @@
 
 #include "backends/augmented.hpp"
 #include "backends/backends.hpp"
+#include "backends/shared_library.hpp"
 
 namespace assur::ma27 {
 namespace {
@@ -35,23 +34,17 @@ struct Library {
   std::string why_not;  // "" if all four were found
 };
 
-template <typename Function>
-bool find(void* library, const char* name, Function*& function) {
-  function = reinterpret_cast<Function*>(dlsym(library, name));
-  return function != nullptr;
-}
-
 Library load() {
   Library found;
   for (const char* name : kNames) {
-    void* const library = dlopen(name, RTLD_NOW | RTLD_LOCAL);  // stays loaded until the program ends
-    if (!library) continue;
-    if (find(library, "ma27id_", found.start) && find(library, "ma27ad_", found.analyze) &&
-        find(library, "ma27bd_", found.factorize) && find(library, "ma27cd_", found.solve)) {
+    SharedLibrary in;
+    if (!in.open(name)) continue;
+    if (in.find("ma27id_", found.start) && in.find("ma27ad_", found.analyze) && in.find("ma27bd_", found.factorize) &&
+        in.find("ma27cd_", found.solve)) {
       found.why_not.clear();
       return found;
     }
-    dlclose(library);
+    in.close();
     found.why_not = std::string(name) + " has no MA27 in double precision (ma27id_, ma27ad_, ma27bd_, ma27cd_)";
   }
   if (found.why_not.empty()) found.why_not = "no libhsl.so or libcoinhsl.so was found";

@@ -1,8 +1,6 @@
 // Dense LU by MAGMA (Tomov, Dongarra & Baboulin, Parallel Comput. 36, 2010), which shares the work between the
 // processor and a GPU; the paper's version for GPUs uses it. One lane after the other; triangular solutions on the
 // processor. MAGMA is loaded at run time; it needs the CUDA (or HIP) that it was built with.
-#include <dlfcn.h>
-
 #include <algorithm>
 #include <array>
 #include <string>
@@ -10,6 +8,7 @@
 #include "backends/backends.hpp"
 #include "backends/dense_lu.hpp"
 #include "backends/dense_solver.hpp"
+#include "backends/shared_library.hpp"
 #include "parallel/thread_state.hpp"
 
 namespace assur::magma {
@@ -27,22 +26,13 @@ struct Library {
   std::string why_not;  // "" if it can run
 };
 
-template <typename Function>
-bool find(void* library, const char* name, Function*& function) {
-  function = reinterpret_cast<Function*>(dlsym(library, name));
-  return function != nullptr;
-}
-
 Library load() {
   Library found;
-  void* library = nullptr;
-  for (const char* name : kNames) {
-    if (!library) library = dlopen(name, RTLD_LAZY | RTLD_LOCAL);  // stays loaded until the program ends
-  }
-  if (!library) {
+  SharedLibrary in;
+  if (std::none_of(kNames.begin(), kNames.end(), [&](const char* name) { return in.open(name); })) {
     found.why_not = "no libmagma.so was found: install MAGMA 2 and put the folder of its library into LD_LIBRARY_PATH";
-  } else if (!find(library, "magma_init", found.init) || !find(library, "magma_version", found.version) ||
-             !find(library, "magma_dgetrf", found.dgetrf) || !find(library, "magma_sgetrf", found.sgetrf)) {
+  } else if (!in.find("magma_init", found.init) || !in.find("magma_version", found.version) ||
+             !in.find("magma_dgetrf", found.dgetrf) || !in.find("magma_sgetrf", found.sgetrf)) {
     found.why_not = "libmagma.so has no dense LU (magma_init, magma_version, magma_dgetrf, magma_sgetrf)";
   } else if (const int status = found.init(); status != 0) {
     found.why_not = "MAGMA finds no GPU that it can use (magma_init ends with status " + std::to_string(status) + ")";
