@@ -111,7 +111,7 @@ void add_device_parts(Section& section, const std::vector<DeviceParts>& parts, c
   columns.push_back({"backward error on the GPU", number, [](const DeviceParts& p) {
                        return p.why_not.empty() ? output::error_figure(p.times.backward_error) : "-";
                      }});
-  columns.push_back({"", words, [](const DeviceParts& p) { return p.why_not; }});
+  if (!parts.back().why_not.empty()) columns.push_back({"", words, [](const DeviceParts& p) { return p.why_not; }});
   for (const DeviceParts& p : parts) {
     if (std::isnan(p.cpu_lu)) continue;
     section.measurements.push_back({item(p), cpu, "LU, whole", "s", p.cpu_lu, "measured", 3});

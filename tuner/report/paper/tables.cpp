@@ -472,7 +472,7 @@ Section table_4(const PaperResults& r, const PaperOptions& options) {
                "Raspberry Pi 2 and 3, Core i5-2400 and Xeon E5-2620. Here: " +
                r.stand_ins.dense + " with " + output::counted(std::min(r.threads, 4), "thread") +
                ". Times over the time in the first row:") +
-           paragraph(gpu_here(r)) + tall(table_of_cells(4, ratios)) +
+           paragraph(gpu_here(r) + (has_gpu(r) ? " Its energy is not known." : "")) + tall(table_of_cells(4, ratios)) +
            faint(
                "Absolute times (s) and energies (J) of 300 steps. Paper: time x 4 W for RP2, 5 W for RP3 (4 W in its "
                "text), 15 W for the i5, 95 W for the E5 (one of two processors).") +
