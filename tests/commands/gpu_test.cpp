@@ -90,7 +90,8 @@ TEST(Gpu, MotionsAreThoseOfOtherBackends) {
 
 TEST(Gpu, CheckRunsIt) {
   const auto left_out = [](const char* mode) {
-    const Outcome check = run_command({"check", "slider_crank:steps=20", "--quick", "--quiet", "--json"}, stand_in(mode));
+    const Outcome check =
+        run_command({"check", "slider_crank:steps=20", "--quick", "--quiet", "--json"}, stand_in(mode));
     EXPECT_EQ(check.status, 0) << check.err;
     return check.json()["left_out"];
   };
