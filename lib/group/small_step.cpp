@@ -155,8 +155,9 @@ SmallStep* of_lanes(const GroupClass& group_class, const Program& program, const
   }
 }
 
-#if HWY_TARGET == HWY_SCALAR || HWY_TARGET == HWY_EMU128
-// Without SIMD, these steps would take half of the compile time of this file. GroupSolver does without them.
+#if (HWY_TARGET == HWY_SCALAR || HWY_TARGET == HWY_EMU128) && !defined(HWY_COMPILE_ONLY_SCALAR)
+// Without SIMD, these steps would take half of the compile time of this file. GroupSolver does without them where other
+// targets are compiled, too.
 SmallStep* make(const GroupClass&, const Program&, const BlockConditions&, Separable, int) { return nullptr; }
 #else
 SmallStep* make(const GroupClass& group_class, const Program& program, const BlockConditions& blocks,

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <fstream>
 #include <locale>
 
@@ -52,10 +51,8 @@ double below_limit(const std::filesystem::path& root, int resource, StatmField t
 
 double free_memory(const std::filesystem::path& root) {
   const double group = cgroup_memory(root);
-  const bool few_addresses = UINTPTR_MAX == UINT32_MAX;
-  const double addresses = few_addresses ? std::max(0.0, 0x1p32 - statm(root, kSize)) : HUGE_VAL;
   return std::min({available(root), group > 0 ? group : HUGE_VAL, below_limit(root, RLIMIT_AS, kSize),
-                   below_limit(root, RLIMIT_DATA, kData), addresses});
+                   below_limit(root, RLIMIT_DATA, kData)});
 }
 
 double taken_memory() { return statm("/", kResident); }

@@ -268,7 +268,9 @@ TEST(PerformanceModel, IgnoresImpossibleSamples) {
 // The extremes of what is possible, in few samples.
 TEST(PerformanceModel, PredictsFiniteTimesFromAnySamples) {
   std::mt19937_64 random(11);
-  const auto any_of = [&](const auto& choices) { return choices[random() % std::size(choices)]; };
+  const auto any_of = [&](const auto& choices) {
+    return choices[static_cast<std::size_t>(random() % std::size(choices))];
+  };
   constexpr std::array kTimes = {1e-15, 1e-12, 1e-6, 1.0, 1e9};
   constexpr std::array kSpreads = {0.0, 1e-15, 1e-6, 1e9};
   constexpr std::array kErrors = {0.0, 1e-16, 1e300, HUGE_VAL, std::numeric_limits<double>::quiet_NaN()};

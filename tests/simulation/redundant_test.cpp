@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -215,6 +216,9 @@ TEST(Redundant, BennettsLinkageOfAnyShapeTurns) {
 
 // Sets of equations that were used close to their own singularity once lost eight digits of the accelerations.
 TEST(Redundant, BennettsLinkageKeepsItsAccuracyAfterReselection) {
+  if (std::numeric_limits<long double>::digits < 64) {
+    GTEST_SKIP() << "the differences below are not exact to 1e-13: long double has the precision of double here";
+  }
   for (const auto& [start, steps] : {std::pair{kPi / 2, 5000}, std::pair{75 * kPi / 180, 400}}) {
     SCOPED_TRACE(steps);
     Bennett linkage;
