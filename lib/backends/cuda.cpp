@@ -119,7 +119,7 @@ Library load_release(const Release& names) {
   SharedLibrary in;
   if (!in.open(names.runtime)) return out;
   find_runtime(in, out);
-  if (in.missing().empty()) out.why_not = why_no_device(out);  // before the larger libraries are loaded
+  out.why_not = in.complete() ? why_no_device(out) : in.missing();  // before the larger libraries are loaded
   if (!out.why_not.empty()) return out;
   for (const char* const name : {names.blas, names.solver}) {
     if (!in.open(name)) {
@@ -130,7 +130,7 @@ Library load_release(const Release& names) {
     name == names.blas ? find_blas(in, out) : find_solver(in, out);
   }
   out.why_not = in.missing();
-  if (out.why_not.empty()) out.version = version_of(out);
+  if (in.complete()) out.version = version_of(out);
   return out;
 }
 

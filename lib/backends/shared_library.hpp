@@ -25,15 +25,21 @@ class SharedLibrary {
   template <typename Function>
   bool find(const char* name, Function*& function) {
     function = library_ ? reinterpret_cast<Function*>(dlsym(library_, name)) : nullptr;
-    if (function == nullptr && missing_.empty()) missing_ = std::string(name_) + " has no " + name;
+    if (function == nullptr) {
+      if (complete_) missing_ = std::string(name_) + " has no " + name;
+      complete_ = false;
+    }
     return function != nullptr;
   }
-  // The first function that was not found: "libcudart.so.13 has no cudaMalloc". "" if all were found.
+  // True if every function was found.
+  [[nodiscard]] bool complete() const { return complete_; }
+  // The first function that was not found: "libcudart.so.13 has no cudaMalloc"; "" if complete().
   [[nodiscard]] const std::string& missing() const { return missing_; }
 
  private:
   void* library_ = nullptr;
   const char* name_ = "";
+  bool complete_ = true;
   std::string missing_;
 };
 
