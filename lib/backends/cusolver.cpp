@@ -141,6 +141,7 @@ Status CusolverSolver<T>::factorize(std::span<const double> values) {
     std::fill(code_.begin(), code_.end(), Code::ok);
     return {};
   }
+  std::fill(code_.begin(), code_.end(), Code::singular);  // if the device fails below, there are no factors
   for (DenseIndex lane = 0; lane < lanes_; ++lane) {
     largest_[static_cast<std::size_t>(lane)] =
         spread(values.data() + lane, lanes_, place_, host_.matrices.data() + lane * step());

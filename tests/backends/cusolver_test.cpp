@@ -109,6 +109,9 @@ TEST_F(CusolverOnDevice, AFailureOfTheDeviceIsAnError) {
   const Matrix a = ring(200, random);
   const auto solver = cusolver().make({}, Precision::binary64);
   ASSERT_TRUE(solver->analyze(a.pattern, 1).ok());
+  setenv("ASSUR_STAND_IN", "works", 1);
+  ASSERT_TRUE(solver->factorize(a.values).ok());
+  setenv("ASSUR_STAND_IN", "fails", 1);
   try {
     (void)solver->factorize(a.values);
     FAIL() << "factorize() did not fail";
@@ -116,6 +119,7 @@ TEST_F(CusolverOnDevice, AFailureOfTheDeviceIsAnError) {
     EXPECT_EQ(error.kind(), Error::Kind::environment);
     EXPECT_STREQ(error.what(), "cusolver: cudaStreamSynchronize failed: launch failure");
   }
+  EXPECT_FALSE(solver->figures(0).ok);  // the factors from before are not used again
 }
 
 // Each caller has a solver of its own, with its own stream.

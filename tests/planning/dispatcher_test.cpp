@@ -12,7 +12,7 @@
 #include "planning/candidates.hpp"
 #include "planning/counts.hpp"
 #include "planning/dispatcher.hpp"
-#include "planning/together_rules.hpp"
+#include "together_here.hpp"
 
 namespace assur {
 namespace {
@@ -58,11 +58,8 @@ TEST(Dispatcher, ChoosesTheFastestStrategyOfTheMachine) {
   for (const Plan::Choice& c : strange.choices) EXPECT_NE(c.solver.backend, "lanes");
 }
 
-// "" if this processor can solve a chain by +together.
-std::string why_not_together_here() { return why_not_together(parse_strategy("irreducible/lanes:8+together")); }
-
 TEST(Dispatcher, SolvesTheLevelsOfAChainTogether) {
-  if (const std::string why_not = why_not_together_here(); !why_not.empty()) GTEST_SKIP() << why_not;
+  if (const std::string why_not = test::why_not_together_here(); !why_not.empty()) GTEST_SKIP() << why_not;
   const auto plan_of = [](const std::string& text, std::vector<std::string> without = {}) {
     return prepare(sample(text), {.budget = ThreadBudget{1}, .model = model(), .without = std::move(without)}).plan;
   };
@@ -94,7 +91,7 @@ Plan plan_of_chain(std::array<double, 3> seconds) {
 }
 
 TEST(Dispatcher, SolvesLevelsTogetherWithTheMeasuredLanes) {
-  if (const std::string why_not = why_not_together_here(); !why_not.empty()) GTEST_SKIP() << why_not;
+  if (const std::string why_not = test::why_not_together_here(); !why_not.empty()) GTEST_SKIP() << why_not;
   struct Case {
     std::array<double, 3> seconds;
     std::int32_t lanes, packs;
@@ -113,7 +110,7 @@ TEST(Dispatcher, SolvesLevelsTogetherWithTheMeasuredLanes) {
 }
 
 TEST(Dispatcher, SolvesLevelsOneByOneIfThatWasMeasuredAsFaster) {
-  if (const std::string why_not = why_not_together_here(); !why_not.empty()) GTEST_SKIP() << why_not;
+  if (const std::string why_not = test::why_not_together_here(); !why_not.empty()) GTEST_SKIP() << why_not;
   const Plan plan = plan_of_chain({400e-9, 800e-9, 1600e-9});
   EXPECT_FALSE(plan.run.together);
   EXPECT_TRUE(std::regex_search(plan.reason, std::regex("; all levels together would take [0-9.]+ times as long$")))

@@ -71,7 +71,7 @@ Regret regret(const PerformanceModel& model, std::span<const CellResult> cells) 
                  !s.solver.once;
         });
         if (!std::isnan(r)) all.push_back(r);
-        if (groups > 1 && !packs) break;  // for matrices, only `lanes` solves groups side by side
+        if (groups > 1 && !packs) break;  // for matrices, only these backends solve groups side by side
       }
     }
   }
