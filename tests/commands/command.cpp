@@ -60,16 +60,23 @@ Outcome run_command(const std::vector<std::string>& arguments, const Setting& se
   if (child < 0) throw std::runtime_error("fork failed");
   if (child == 0) become(arguments, setting, out, err, theirs);
   std::string drawn;
+  const bool interrupts = !setting.interrupt_when_err.empty();
   if (setting.columns > 0) {
     close(theirs);
     char some[512];
-    for (ssize_t count = 0; (count = read(ours, some, sizeof some)) > 0;) drawn.append(some, count);
+    bool waits = interrupts && setting.terminal == STDERR_FILENO;
+    for (ssize_t count = 0; (count = read(ours, some, sizeof some)) > 0;) {
+      drawn.append(some, count);
+      if (!waits || drawn.find(setting.interrupt_when_err) == std::string::npos) continue;
+      kill(child, setting.signal);
+      waits = false;
+    }
     close(ours);
   }
 
   int status = 0;
   rusage used{};
-  if (!setting.interrupt_when_err.empty()) {
+  if (interrupts && (setting.columns == 0 || setting.terminal != STDERR_FILENO)) {
     while (content(err).find(setting.interrupt_when_err) == std::string::npos) {
       if (waitpid(child, &status, WNOHANG) == child) throw std::runtime_error("ended too early: " + content(err));
       std::this_thread::sleep_for(10ms);
