@@ -1,6 +1,7 @@
-// Ensembles whose members are rows of a table: the time to bind and assemble a member, beside preparing it, and the
-// throughput of a Stewart platform with 24 random parameters beside equal platforms. Members are compared with prepared
-// ones. The exit status is 1 if one of them deviates by more than 1e-10 of the largest value of its column.
+// Ensembles whose members are rows of a table: the time to bind and assemble a member, beside preparing it, the
+// throughput of a Stewart platform with 24 random parameters beside equal platforms, and that of four-bars of which
+// many jam or cannot be assembled. Members are compared with prepared ones. The exit status is 1 if one of them
+// deviates by more than 1e-10 of the largest value of its column.
 //
 //   value_table_bench [MEMBERS [ROUNDS [STRATEGY]]]    10000 members, 5 rounds and auto unless told otherwise
 #include <algorithm>
@@ -172,6 +173,35 @@ void compare_throughput(const Design& platform, std::size_t members, int rounds)
   for (const std::string& text : random.report().fallbacks) std::printf("  %s\n", text.c_str());
 }
 
+// Time for a member of a wide design space beside that of a narrow one, in which all members turn.
+void compare_with_jams(const Design& narrow, const Design& wide, std::size_t members, int rounds) {
+  std::vector<Ensemble> ensembles;
+  for (const Design* d : {&narrow, &wide}) ensembles.emplace_back(d->scene, d->names, d->table(members), how(2));
+  std::vector<double> times[2], ratio;
+  for (int r = 0; r < rounds; ++r) {
+    for (std::size_t e = 0; e < 2; ++e) {
+      const double begin = wall();
+      (void)ensembles[e].summarize(ensembles[e].columns());
+      times[e].push_back(1e6 * (wall() - begin) / static_cast<double>(members));
+    }
+    ratio.push_back(times[1].back() / times[0].back());
+  }
+  std::size_t done = 0, jammed = 0, alone = 0;
+  for (const Ensemble::Outcome& o : ensembles[1].outcomes()) {
+    done += o.status.arrived();
+    jammed += !o.status.arrived() && o.cannot.empty();
+    alone += o.alone && o.status.arrived();
+  }
+  std::printf("\n%zu members of %s, %lld steps each, two threads: %.2f us each; in a wide design space %.2f us\n",
+              members, wide.scene.name().c_str(), static_cast<long long>(ensembles[0].prepared().time.steps()),
+              median(times[0]), median(times[1]));
+  std::printf(
+      "(%zu turn, %zu of them alone from some time on, %zu jam, %zu cannot be assembled); ratio %.2f (%.2f to %.2f)\n",
+      done, alone, jammed, members - done - jammed, median(ratio), *std::min_element(ratio.begin(), ratio.end()),
+      *std::max_element(ratio.begin(), ratio.end()));
+  for (const std::string& text : ensembles[1].report().fallbacks) std::printf("  %s\n", text.c_str());
+}
+
 // 18 coordinates of the joints of the base and 6 of those of the terminal.
 Design stewart() {
   const std::vector<std::string> handles = {"handle1", "handle2", "handle3", "handle4", "handle5", "handle6"};
@@ -212,6 +242,12 @@ int run(std::size_t members, int rounds) {
   for (const Design* d : {&four_bar, &slider_crank, &of_file, &all_outputs, &platform})
     good = report(*d, members, rounds) && good;
   compare_throughput(platform, members, rounds);
+  Design wide = four_bar;
+  wide.spread = 0.5;
+  const double deviates = deviation(wide, wide.table(kCompared));
+  std::printf("\ndeviation in the wide design space: %.1e\n", deviates);
+  good = deviates <= kTolerance && good;
+  compare_with_jams(four_bar, wide, members, rounds);
   return good ? 0 : 1;
 }
 

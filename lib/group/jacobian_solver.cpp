@@ -79,8 +79,7 @@ Status JacobianSolver::factorize(Pack& pack, Factors from, Counters& counters) {
   const Status s = solver_->factorize(work_.jacobian);
   pack.factored = s.ok();
   factors_ = s.ok() ? from : Factors::earlier;
-  // An idle lane repeats lane 0, so its failure is that of lane 0.
-  return s.ok() ? s : pack.failed(s.code, s.figure, s.where.index < pack.used ? std::max(s.where.index, 0) : 0);
+  return s.ok() ? s : pack.failed(s);
 }
 
 bool JacobianSolver::factorize(Pack& pack) {
@@ -97,7 +96,7 @@ bool JacobianSolver::factorize(Pack& pack) {
   double left = measured();
   for (rounds = 0; left > goal.enough;) {
     if (++rounds > kMostRefinements) return {};
-    if (const Status s = solver_->solve(residual_, 1); !s.ok()) return pack.failed(s.code, s.figure);
+    if (const Status s = solver_->solve(residual_, 1); !s.ok()) return pack.failed(s);
     counters.solved_unknowns += std::int64_t{pack.used} * work_.program.n;
     for (std::size_t i = 0; i < b.size(); ++i) x[i] += residual_[i];
     residual = residual_of(x, b);
@@ -119,7 +118,7 @@ bool JacobianSolver::factorize(Pack& pack) {
 
 Status JacobianSolver::correction(Pack& pack, const LaneArray& b, double* x, bool checked, Counters& counters) {
   std::copy(b.begin(), b.end(), x);
-  if (const Status s = solver_->solve({x, b.size()}, 1); !s.ok()) return pack.failed(s.code, s.figure);
+  if (const Status s = solver_->solve({x, b.size()}, 1); !s.ok()) return pack.failed(s);
   counters.solved_unknowns += std::int64_t{pack.used} * work_.program.n;
   if (!checked) return {};
   double residual = residual_of(x, b);
@@ -132,8 +131,7 @@ Status JacobianSolver::solve(Pack& pack, const LaneArray& b, double* x, int firs
   std::copy(b.begin(), b.end(), x);
   // Refinement with factors of another posture needs the whole solution.
   const int first = own_factors ? first_wanted : 0;
-  if (const Status s = solver_->solve({x, b.size()}, 1, Transpose::no, first); !s.ok())
-    return pack.failed(s.code, s.figure);
+  if (const Status s = solver_->solve({x, b.size()}, 1, Transpose::no, first); !s.ok()) return pack.failed(s);
   counters.solved_unknowns += std::int64_t{pack.used} * (work_.program.n - first);
   if (first > 0) {  // the other unknowns are unspecified; set to zero
     std::fill_n(x, idx(first * work_.lanes), 0.0);
@@ -152,7 +150,7 @@ Status JacobianSolver::solve(Pack& pack, const LaneArray& b, double* x, int firs
       return solve(pack, b, x, first_wanted, converged, counters, error);
     }
   }
-  if (!std::isfinite(residual)) return pack.failed(Code::not_finite, residual);
+  if (!std::isfinite(residual)) return pack.failed(Code::not_finite, residual, work_.lane_with_most(pack, residual_));
   error = std::max(error, residual);
   return {};
 }

@@ -64,9 +64,9 @@ Status NewtonStep::position(Pack& pack, double* x, const Attempt& attempt, Count
     if (const Status s = solver_.correction(pack, work_.phi, correction_.data(), checked, counters); !s.ok()) return s;
     counters.newton_iterations += pack.used;
     const double norm = correct(x);
-    if (!std::isfinite(norm)) return pack.failed(Code::not_finite, norm);
+    if (!std::isfinite(norm)) return pack.failed(Code::not_finite, norm, lane_that_moved_most(pack));
     if (attempt.branch == Attempt::Branch::pass && iteration == 0 && !(norm <= attempt.largest_correction)) {
-      return pack.failed(Code::branch_unknown, norm);
+      return pack.failed(Code::branch_unknown, norm, lane_that_moved_most(pack));
     }
     if (attempt.branch == Attempt::Branch::inside && work_.group_class.quadratic && iteration == 0) {
       if (const Status s = guard_.check_first_correction(pack); !s.ok()) return s;
@@ -78,7 +78,7 @@ Status NewtonStep::position(Pack& pack, double* x, const Attempt& attempt, Count
     if (must_contract && attempt.iterations == 0 && !contracts) {
       // Corrections by rounding do not contract, and they look large if the terms of an equation vanish here.
       contracts = raised_ratio() <= kRoundingLevel;
-      if (!contracts) return pack.failed(Code::not_converged, norm / last_norm);
+      if (!contracts) return pack.failed(Code::not_converged, norm / last_norm, lane_that_moved_most(pack));
     }
     // Factors of another posture are kept as long as the corrections contract.
     usable = (settings_.once || settings_.reuse != Reuse::fresh) && contracts;
@@ -94,21 +94,10 @@ Status NewtonStep::position(Pack& pack, double* x, const Attempt& attempt, Count
   return {};
 }
 
-// The lane with the largest relative residual.
-std::int32_t NewtonStep::lane_with_most_left(const Pack& pack) const {
-  const std::size_t w = idx(work_.lanes);
-  std::int32_t found = 0;
-  double most = -1;
-  for (std::int32_t l = 0; l < pack.used; ++l) {
-    for (std::size_t i = idx(l); i < work_.phi.size(); i += w) {
-      const double left = std::abs(work_.phi[i]) * inverse_scale_[i];
-      if (left <= most) continue;  // false for NaN
-      if (std::isnan(left)) return l;
-      most = left;
-      found = l;
-    }
-  }
-  return found;
+// The lane with the largest relative residual, of an attempt that failed: its equations are scaled here.
+std::int32_t NewtonStep::lane_with_most_left(const Pack& pack) {
+  for (std::size_t i = 0; i < work_.phi.size(); ++i) work_.phi[i] *= inverse_scale_[i];
+  return work_.lane_with_most(pack, work_.phi);
 }
 
 // Relative residual after the scales of the equations were raised to their lower bounds at this posture.

@@ -30,7 +30,11 @@ class NewtonStep {
  private:
   using Factors = JacobianSolver::Factors;
 
-  [[nodiscard]] std::int32_t lane_with_most_left(const Pack& pack) const;
+  [[nodiscard]] std::int32_t lane_with_most_left(const Pack& pack);
+  // The lane with the largest last correction.
+  [[nodiscard]] std::int32_t lane_that_moved_most(const Pack& pack) const {
+    return work_.lane_with_most(pack, work_.correction);
+  }
   [[nodiscard]] double raised_ratio();
   [[nodiscard]] double correct(double* x);
 

@@ -46,8 +46,13 @@ struct Pack {
   bool factored = false;                 // +reuse=run: `solver` holds factors of an earlier posture
 
   // A status about the group in a lane.
-  [[nodiscard]] Status failed(Code code, double figure, std::int32_t lane = 0) const {
+  [[nodiscard]] Status failed(Code code, double figure, std::int32_t lane) const {
     return {code, Place::group(groups[std::min(static_cast<std::size_t>(lane), groups.size() - 1)]), figure};
+  }
+  // A status of the linear solver, which names a lane or none. An idle lane repeats lane 0, so its failure is that of
+  // lane 0.
+  [[nodiscard]] Status failed(const Status& s) const {
+    return failed(s.code, s.figure, s.where.index < used ? std::max(s.where.index, 0) : 0);
   }
 
   // Keep copies; to be called before an attempt overwrites the arrays.

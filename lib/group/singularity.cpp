@@ -59,7 +59,7 @@ Singularity nearest_singularity(Workspace& work, const BlockConditions& blocks, 
     return largest;
   };
   Singularity nearest;
-  Status& worst = nearest.status = pack.failed(Code::branch_unknown, 1.0);
+  Status& worst = nearest.status = pack.failed(Code::branch_unknown, 1.0, 0);
   std::vector<double> matrix;
   for (int lane = 0; lane < pack.used; ++lane) {
     for (std::int32_t b = 0; b < work.program.blocks; ++b) {

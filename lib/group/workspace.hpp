@@ -1,7 +1,10 @@
 // Data that the parts of a group's step share: the class, its equations, and the numbers of the current pack.
 #pragma once
 
+#include <cmath>
+#include <cstdint>
 #include <memory>
+#include <span>
 
 #include "assur/structure.hpp"
 #include "equations/evaluator.hpp"
@@ -40,6 +43,22 @@ struct Workspace {
   }
   // Fills phi and jacobian. x: the unknowns.
   void evaluate(const double* x) { evaluator->evaluate(x, phi.data(), jacobian.data()); }
+
+  // Of the lanes that a pack uses, the one with the largest size among these numbers, or with one that is not a number.
+  // numbers: rows x W
+  [[nodiscard]] std::int32_t lane_with_most(const Pack& pack, std::span<const double> numbers) const {
+    const std::size_t w = idx(lanes);
+    std::size_t found = 0;
+    double most = -1;
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+      const double size = std::abs(numbers[i]);
+      if (i % w >= idx(pack.used) || size <= most) continue;  // false for NaN
+      if (std::isnan(size)) return static_cast<std::int32_t>(i % w);
+      most = size;
+      found = i % w;
+    }
+    return static_cast<std::int32_t>(found);
+  }
 
   // Unknowns, or equations, of all lanes.
   [[nodiscard]] std::size_t size() const { return phi.size(); }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <tuple>
 #include <utility>
 
 #include "numbers.hpp"
@@ -74,24 +75,24 @@ void SideBySide::give_row(LaneRun& run, std::size_t row) const {
 }
 
 // Solves from row `from`, at which the variants are, to the last row that all lanes reach in lockstep. Returns that
-// row.
-std::size_t SideBySide::follow(std::span<LaneRun* const> lanes, std::size_t from,
-                               const std::function<bool()>& proceed) {
+// row, and the status of the next step.
+std::pair<std::size_t, Status> SideBySide::follow(std::span<LaneRun* const> lanes, std::size_t from,
+                                                  const std::function<bool()>& proceed) {
   const std::size_t rows = lanes[0]->times.size();
   std::vector<double> times(lanes.size());
   for (std::size_t row = from + 1; row < rows; ++row) {
     for (std::size_t i = 0; i < lanes.size(); ++i) times[i] = lanes[i]->times[row];
     const bool moves = times[0] != lanes[0]->times[row - 1];
-    if (moves && !tile_.step(times).ok()) return row - 1;
+    if (const Status s = moves ? tile_.step(times) : Status{}; !s.ok()) return {row - 1, s};
     for (std::size_t i = 0; i < lanes.size(); ++i) write_row(static_cast<int>(i), *lanes[i], row);
     if (moves) check_accuracy(lanes, row);
     for (LaneRun* lane : lanes) give_row(*lane, row);
     if (!proceed()) {
       stopped_ = true;
-      return row;
+      return {row, {}};
     }
   }
-  return rows - 1;
+  return {rows - 1, {}};
 }
 
 // Measures at `row`, which all lanes have reached.
@@ -202,7 +203,8 @@ void SideBySide::run(std::span<LaneRun* const> lanes, const std::function<bool()
   for (std::size_t row = 0; !together.empty();) {
     std::vector<const Variant*> variants;
     for (const Variant& v : at) variants.push_back(&v);
-    const bool started = std::exchange(is_assembled, false) || tile_.start(variants).ok();
+    Status failed = std::exchange(is_assembled, false) ? Status{} : tile_.start(variants);
+    const bool started = failed.ok();
     if (started && row == 0) {
       for (std::size_t i = 0; i < together.size(); ++i) {
         write_row(static_cast<int>(i), *together[i], 0);
@@ -218,12 +220,15 @@ void SideBySide::run(std::span<LaneRun* const> lanes, const std::function<bool()
       tile_.continue_from(static_cast<int>(i), {together[i]->row(row, size), size});
     }
     if (started) {
-      row = follow(together, row, proceed);
+      std::tie(row, failed) = follow(together, row, proceed);
       for (std::size_t i = 0; i < together.size(); ++i) together[i]->error.merge(tile_.estimated(static_cast<int>(i)));
     }
     if (row == last) return;
 
-    // Each lane tries the next step alone, to find the lanes that cannot follow.
+    // The lane that failed goes on alone. If it is unknown, each lane tries the next step alone, to find those that
+    // cannot follow.
+    const bool is_known = failed.where.is(Place::Kind::lane);
+    const auto at_fault = is_known ? static_cast<std::size_t>(failed.where.index) : together.size();
     std::vector<LaneRun*> able;
     std::vector<Variant> able_at;
     for (std::size_t i = 0; i < together.size(); ++i) {
@@ -233,7 +238,7 @@ void SideBySide::run(std::span<LaneRun* const> lanes, const std::function<bool()
         here.limited = tile_.limited(static_cast<int>(i));
       }
       here.time = together[i]->times[row];
-      if (!stopped_) alone(*together[i], here, row, false, proceed);
+      if (!stopped_ && (!is_known || i == at_fault)) alone(*together[i], here, row, is_known, proceed);
       if (together[i]->alone) continue;
       able.push_back(together[i]);
       able_at.push_back(std::move(here));

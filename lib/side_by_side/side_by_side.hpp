@@ -86,8 +86,8 @@ class SideBySide {
   [[nodiscard]] Lanes started_near(const Lanes& lanes, std::span<const Variant* const> variants);
   [[nodiscard]] Lanes startable(const Lanes& lanes, std::span<const Variant* const> variants, Lanes& in_tile);
   void assemble(std::vector<LaneRun*>& together, std::vector<Variant>& at);
-  [[nodiscard]] std::size_t follow(std::span<LaneRun* const> lanes, std::size_t from,
-                                   const std::function<bool()>& proceed);
+  [[nodiscard]] std::pair<std::size_t, Status> follow(std::span<LaneRun* const> lanes, std::size_t from,
+                                                      const std::function<bool()>& proceed);
   void measure_errors(std::span<LaneRun* const> lanes, std::size_t row);
   void check_accuracy(std::span<LaneRun* const> lanes, std::size_t row);
   void alone(LaneRun& lane, Variant at, std::size_t row, bool to_the_end, const std::function<bool()>& proceed);

@@ -10,6 +10,13 @@
 #include "scene/residual_scale.hpp"
 
 namespace assur {
+namespace {
+
+// False if a solver still has the pivots with which it began.
+bool has_worked(const Effort& e) { return e.redone + e.renewed + e.refined + e.unplanned + e.in_double > 0; }
+
+}  // namespace
+
 Tile::Tile(const Prepared& prepared, const StepLimits& limits)
     : structure_(prepared.structure),
       limits_(limits),
@@ -98,7 +105,7 @@ void Tile::bind(bool alike) {
   for (const auto& s : layout_.solvers) s->restart(alike);
   for (std::size_t g = 0; g < layout_.packs.size(); ++g) {
     Pack& pack = layout_.packs[g];
-    pack.solver.reset();
+    if (!pack.pivots || !pack.solver || has_worked(pack.solver->effort())) pack.solver.reset();
     pack.factored = false;
     pack.used = static_cast<std::int32_t>(variants_.size());
     GroupSolver& solver = *layout_.solvers[idx(pack.group_class)];
@@ -119,7 +126,8 @@ void Tile::bind(bool alike) {
   std::vector<const System*> systems;
   for (const Variant* v : variants_) systems.push_back(v->system.get());
   estimate_.restart(systems);
-  alike_ = driven_alike();
+  same_laws_ = same_laws();
+  same_assignments_ = same_laws_ && same_assignments();
 }
 
 void Tile::bind_programs(std::size_t lane) {
@@ -140,29 +148,33 @@ void Tile::bind_programs(std::size_t lane) {
 }
 
 // True if the drivers of all lanes have the same laws: then one evaluation serves all lanes at the same time.
-bool Tile::driven_alike() const {
+bool Tile::same_laws() const {
   const System& first = *variants_[0]->system;
-  const auto alike = [&](const Variant* v) {
+  return std::all_of(variants_.begin(), variants_.end(), [&](const Variant* v) {
     const System& s = *v->system;
-    if (&s == &first) return true;
-    return s.length_exponent == first.length_exponent &&
-           std::all_of(driven_.inputs.begin(), driven_.inputs.end(),
-                       [&](Index i) { return s.inputs[idx(i)].laws == first.inputs[idx(i)].laws; }) &&
-           std::all_of(driven_.assignments.begin(), driven_.assignments.end(), [&](Index i) {
-             const auto terms = s.form(s.assignments[idx(i)].form), others = first.form(first.assignments[idx(i)].form);
-             return std::equal(terms.begin(), terms.end(), others.begin(), others.end(),
-                               [&](const Term& a, const Term& b) {
-                                 return a.coordinate == b.coordinate &&
-                                        s.constants[idx(a.constant)] == first.constants[idx(b.constant)] &&
-                                        s.coordinates[idx(a.coordinate)].moving;
-                               });
-           });
-  };
-  return std::all_of(variants_.begin(), variants_.end(), alike);
+    return &s == &first || (s.length_exponent == first.length_exponent &&
+                            std::all_of(driven_.inputs.begin(), driven_.inputs.end(),
+                                        [&](Index i) { return s.inputs[idx(i)].laws == first.inputs[idx(i)].laws; }));
+  });
+}
+
+// True if coordinates that depend on the drivers do so in the same way in all lanes.
+bool Tile::same_assignments() const {
+  const System& first = *variants_[0]->system;
+  return std::all_of(variants_.begin(), variants_.end(), [&](const Variant* v) {
+    const System& s = *v->system;
+    return &s == &first || std::all_of(driven_.assignments.begin(), driven_.assignments.end(), [&](Index i) {
+      const auto terms = s.form(s.assignments[idx(i)].form), others = first.form(first.assignments[idx(i)].form);
+      return std::equal(terms.begin(), terms.end(), others.begin(), others.end(), [&](const Term& a, const Term& b) {
+        return a.coordinate == b.coordinate && s.constants[idx(a.constant)] == first.constants[idx(b.constant)] &&
+               s.coordinates[idx(a.coordinate)].moving;
+      });
+    });
+  });
 }
 
 Status Tile::drive(std::span<const double> times) {
-  const bool at_once = alike_ && std::all_of(times.begin(), times.end(), [&](double t) { return t == times[0]; });
+  const bool at_once = same_laws_ && std::all_of(times.begin(), times.end(), [&](double t) { return t == times[0]; });
   const std::size_t w = idx(lanes_), driven = driven_lanes_ = at_once ? 1 : times.size();
   for (std::size_t lane = 0; lane < driven; ++lane) {
     if (const Status s = drive_lane(lane, times[lane]); !s.ok()) return s;
@@ -172,6 +184,9 @@ Status Tile::drive(std::span<const double> times) {
       double* const row = state_.at(d) + idx(c) * w;
       std::fill(row + driven, row + w, row[0]);
     }
+  }
+  for (std::size_t lane = 1; lane < times.size() && at_once && !same_assignments_; ++lane) {
+    drive_[lane]->place_as(*drive_[0], {state_.at(0) + lane, state_.at(1) + lane, state_.at(2) + lane}, w);
   }
   return {};
 }
@@ -275,7 +290,8 @@ Status Tile::solve_packs(std::span<const double> times, Attempt::Branch branch, 
     attempt.iterations = pack.level > 0 && branch == Attempt::Branch::inside ? limits_.iterations : 0;
     attempt.most_iterations = limits_.most_iterations;
     GroupSolver& solver = *layout_.solvers[idx(pack.group_class)];
-    if (const Status s = solver.solve(pack, q, attempt, counters_, errors); !s.ok()) return s;
+    const Status s = solver.solve(pack, q, attempt, counters_, errors);
+    if (!s.ok()) return {s.code, Place::lane(s.where.index), s.figure};  // the groups of a pack are the lanes
   }
   return {};
 }

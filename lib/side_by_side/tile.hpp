@@ -54,7 +54,8 @@ class Tile {
   [[nodiscard]] const std::vector<std::string>& columns() const { return columns_; }
   [[nodiscard]] const OutputProgram& outputs() const { return outputs_[0]; }
 
-  // Puts 1 to lanes() variants into the lanes and solves their velocities. Drops the variants before.
+  // Puts 1 to lanes() variants into the lanes and solves their velocities. Drops the variants before. Not ok: the place
+  // of the status is the lane that failed, or the first of several.
   [[nodiscard]] Status start(std::span<const Variant* const> variants) { return start(variants, true); }
 
   // From now on, each start begins with the pivots of this variant instead of choosing pivots: where many variants
@@ -62,7 +63,7 @@ class Tile {
   void keep_pivots(const Variant& of);
 
   // Moves every variant to its next time; all steps must be equally long. Steps are not halved: if one fails, all
-  // variants keep the last posture.
+  // variants keep the last posture, and the place of the status is the lane that failed, or the first of several.
   [[nodiscard]] Status step(std::span<const double> times);
 
   // The outputs of one variant, as Simulator::outputs().
@@ -112,7 +113,8 @@ class Tile {
   [[nodiscard]] Status start(std::span<const Variant* const> variants, bool alike);
   void bind(bool alike = true);
   void bind_programs(std::size_t lane);
-  [[nodiscard]] bool driven_alike() const;
+  [[nodiscard]] bool same_laws() const;
+  [[nodiscard]] bool same_assignments() const;
   [[nodiscard]] Status check_functions(std::span<const double> times);
   [[nodiscard]] Status drive(std::span<const double> times);
   [[nodiscard]] Status drive_lane(std::size_t lane, double time);
@@ -140,7 +142,7 @@ class Tile {
   std::size_t known_levers_ = 0;
   std::vector<std::optional<DriveProgram>> drive_;  // lanes
   int together_;                                    // angles_together()
-  std::size_t driven_lanes_ = 0;  // lanes whose drivers were evaluated last; the others are copies of the first
+  std::size_t driven_lanes_ = 0;  // lanes whose laws were evaluated last; the others have those of the first
   std::vector<std::vector<double>> driven_angles_;  // lanes: of the drivers, at the last posture
   std::size_t lanes_accepted_ = 1;                  // lanes with driven angles; the others have those of the first
   std::vector<std::string> columns_;
@@ -160,7 +162,8 @@ class Tile {
   std::vector<const System*> bound_to_;      // lanes: system of the programs
   std::vector<std::vector<Output>> wanted_;  // lanes: outputs of that system
   std::vector<double> now_;                  // their times
-  bool alike_ = false;                       // the drivers of all lanes are the same
+  bool same_laws_ = false;                   // of the drivers of all lanes
+  bool same_assignments_ = false;
   std::int64_t attempts_ = 0;
   Counters counters_;
   Effort effort_;  // effort of solvers that were replaced

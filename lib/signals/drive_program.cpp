@@ -174,10 +174,10 @@ void DriveProgram::move_only(std::int32_t slot) {
   jets_[1][idx(slot)] = scale_[idx(slot)];
 }
 
-void DriveProgram::place(double* const (&state)[3], std::size_t stride) {
-  turn();
+void DriveProgram::place_as(const DriveProgram& other, double* const (&state)[3], std::size_t stride) const {
   double *const q = state[0], *const rate = state[1], *const acceleration = state[2];
-  const double *const value = jets_[0].data(), *const first = jets_[1].data(), *const second = jets_[2].data();
+  const std::vector<double>(&jets)[3] = other.jets_;
+  const double *const value = jets[0].data(), *const first = jets[1].data(), *const second = jets[2].data();
   for (const Copy& c : copies_) {
     const std::size_t at = idx(c.coordinate) * stride;
     q[at] = value[c.slot];

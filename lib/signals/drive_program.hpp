@@ -38,7 +38,12 @@ class DriveProgram {
   // Values of the laws that are angles, unwrapped.
   [[nodiscard]] std::span<const double> angles() const { return {jets_[0].data(), angles_}; }
   // Writes the driven coordinates. state[d]: d-th derivative, indexed by coordinate * stride.
-  void place(double* const (&state)[3], std::size_t stride = 1);
+  void place(double* const (&state)[3], std::size_t stride = 1) {
+    turn();
+    place_as(*this, state, stride);
+  }
+  // The same with the values of another program that has placed its coordinates and has the same laws.
+  void place_as(const DriveProgram& other, double* const (&state)[3], std::size_t stride) const;
   // After place(): false if the time is outside a table, or if a law is not finite.
   [[nodiscard]] bool defined() const;
   // The reason at time t: out_of_range or not_finite.

@@ -13,6 +13,8 @@ namespace {
 constexpr Eigen::Index kDenseAssembly = 96;  // larger blocks are factored sparse
 constexpr int kAssemblySteps = 60;
 constexpr int kFitSteps = 400;
+constexpr double kWellDamped = 1e-3;
+constexpr double kLeastGain = 1e-4;  // of a step of least squares, as a part of the sum of squares
 constexpr int kPolishSteps = 10;
 constexpr double kStuck = 1e-8;  // relative residual; least squares that end above it found no posture
 constexpr double kNudge = 0.1;   // internal units: typical lengths are 1
@@ -74,11 +76,17 @@ void descend(const DenseBlock& block, std::span<const Index> unknowns, std::vect
     const Eigen::SparseMatrix<double> j = block.sparse_jacobian(q);
     const Eigen::VectorXd phi = block.residuals(q), x = gather(unknowns, q);
     const Eigen::VectorXd g = j.transpose() * phi;
+    const bool is_dense = block.columns() <= kDenseAssembly;
+    const Eigen::MatrixXd normal = is_dense ? Eigen::MatrixXd(j.transpose() * j) : Eigen::MatrixXd();
     bool improved = false;
     for (int attempt = 0; attempt < 40 && !improved; ++attempt) {
-      // min |J p + phi|^2 + mu^2 |p|^2 as a least-squares system, because J^T J would square the condition.
+      // min |J p + phi|^2 + mu^2 |p|^2. J^T J squares the condition, so that it serves only well damped steps.
       Eigen::VectorXd p;
-      if (block.columns() <= kDenseAssembly) {
+      if (is_dense && mu >= kWellDamped) {
+        Eigen::MatrixXd damped = normal;
+        damped.diagonal().array() += mu * mu;
+        p = damped.llt().solve(-g);
+      } else if (is_dense) {
         Eigen::MatrixXd a(block.rows() + block.columns(), block.columns());
         a << Eigen::MatrixXd(j), mu * Eigen::MatrixXd::Identity(block.columns(), block.columns());
         Eigen::VectorXd b = Eigen::VectorXd::Zero(a.rows());
@@ -87,12 +95,13 @@ void descend(const DenseBlock& block, std::span<const Index> unknowns, std::vect
       } else {
         Eigen::SparseMatrix<double> identity(block.columns(), block.columns());
         identity.setIdentity();
-        Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> normal(j.transpose() * j + mu * mu * identity);
-        p = normal.solve(-g);
+        Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> damped(j.transpose() * j + mu * mu * identity);
+        p = damped.solve(-g);
       }
       scatter(unknowns, x + p, q);
       const double now = block.residuals(q).squaredNorm();
       if (p.allFinite() && now < best) {
+        if (mu <= 1 && now > best * (1 - kLeastGain)) return;  // the equations have no solution near here
         improved = true;
         best = now;
         mu = std::max(mu / 10, 1e-14);

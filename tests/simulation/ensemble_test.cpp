@@ -3,6 +3,7 @@
 
 #include <functional>
 
+#include "side_by_side/tile.hpp"
 #include "simulation/ensembles.hpp"
 
 namespace assur::test {
@@ -91,6 +92,30 @@ TEST(Ensemble, AMemberAtItsLimitDoesNotStopTheOthers) {
     EXPECT_TRUE(std::isnan(all(3, 0, 0)));
     EXPECT_EQ(e.report().status.code, Code::not_converged);  // the status of the first member that is not ok
     EXPECT_EQ(e.report().status.where, Place::member(3));
+  }
+}
+
+// So the others need not try the step alone.
+TEST(Ensemble, ATileNamesTheLaneThatCannotFollow) {
+  for (const std::string strategy : {"groups/eigen:4", "irreducible/lanes:4", "groups/klu:4+reuse=run"}) {
+    for (std::size_t limited = 0; limited < 4; ++limited) {
+      const SceneOf scene = [&](std::size_t i) { return partly_limited(i == limited ? 10 : 0); };
+      const Prepared first = prepared(scene, strategy)(0);
+      std::vector<Variant> lanes;
+      for (std::size_t i = 0; i < 4; ++i) {
+        const Prepared p = prepared(scene, strategy)(i);
+        lanes.push_back({p.structure->system, p.structure->start, p.time.start, {}});
+      }
+      Tile tile(first, {});
+      const Variant* const variants[] = {&lanes[0], &lanes[1], &lanes[2], &lanes[3]};
+      Status status = tile.start(variants);
+      for (std::int64_t k = 1; k <= first.time.steps() && status.ok(); ++k) {
+        const double t = first.time.time(k);
+        status = tile.step(std::vector<double>{t, t, t, t});
+      }
+      EXPECT_FALSE(status.ok());
+      EXPECT_EQ(status.where, Place::lane(static_cast<std::int32_t>(limited))) << strategy << " " << name(status.code);
+    }
   }
 }
 
