@@ -1,4 +1,7 @@
 // Fleets of linkages, and distances between curves.
+#include <atomic>
+#include <thread>
+
 #include "module.hpp"
 #include "sweep/random_linkage.hpp"
 
@@ -118,33 +121,48 @@ void add_fleets(py::module_& m) {
       .def("__len__", &Fleet::size)
       .def(
           "run",
-          [](const Fleet& fleet, const Array& times, int threads, double accuracy) {
+          [](const Fleet& fleet, const Array& times, int threads, double accuracy, const py::object& progress) {
             const std::vector<double> at = numbers(times);
             const auto rows = static_cast<py::ssize_t>(at.size()), count = static_cast<py::ssize_t>(fleet.size());
             py::array_t<double> paths({count, rows, py::ssize_t{2}}), reached(count);
-            std::vector<std::string> status(fleet.size());
+            std::vector<std::string> status(fleet.size(), std::string(name(Code::interrupted)));
             double* const xy = paths.mutable_data();
             double* const ends = reached.mutable_data();
-            {
-              const py::gil_scoped_release release;
-              (void)fleet.run(at,
-                              [&](std::size_t i, const LinkageMotion& motion) {
-                                double* to = xy + i * at.size() * 2;
-                                for (const PlanePoint& p : motion.path) to = std::copy(p.begin(), p.end(), to);
-                                std::fill(to, xy + (i + 1) * at.size() * 2, std::numeric_limits<double>::quiet_NaN());
-                                ends[i] = motion.reached;
-                                status[i] = name(motion.status.code);
-                              },
-                              {.threads = threads, .accuracy = accuracy});
+            bool interrupted = false;
+            (void)run_watched(progress, interrupted, [&](const Simulator::Observer& observer) {
+              std::atomic<std::int64_t> done{0};
+              const std::thread::id caller = std::this_thread::get_id();
+              const auto tell = [&] { return observer(done.load(), static_cast<std::int64_t>(fleet.size())); };
+              const auto take = [&](std::size_t i, const LinkageMotion& motion) {
+                double* to = xy + i * at.size() * 2;
+                for (const PlanePoint& p : motion.path) to = std::copy(p.begin(), p.end(), to);
+                std::fill(to, xy + (i + 1) * at.size() * 2, std::numeric_limits<double>::quiet_NaN());
+                ends[i] = motion.reached;
+                status[i] = name(motion.status.code);
+                ++done;
+              };
+              const auto stop = [&] { return std::this_thread::get_id() == caller && !tell(); };
+              const FleetReport report = fleet.run(at, take, {.threads = threads, .accuracy = accuracy, .stop = stop});
+              (void)tell();
+              return report;
+            });
+            for (std::size_t i = 0; i < status.size() && interrupted; ++i) {
+              if (status[i] != name(Code::interrupted)) continue;
+              std::fill_n(xy + i * at.size() * 2, at.size() * 2, std::numeric_limits<double>::quiet_NaN());
+              ends[i] = std::numeric_limits<double>::quiet_NaN();
             }
-            return py::make_tuple(paths, reached, status);
+            const py::object result = py::make_tuple(paths, reached, status);
+            if (interrupted) raise_interrupted(result);
+            return result;
           },
           py::arg("times"), py::kw_only(), py::arg("threads") = 1, py::arg("accuracy") = 1e-6,
+          py::arg("progress") = py::none(),
           R"(Moves all linkages over `times`, an array of (times,), s. Returns (paths, reached, status).
 
 paths: an array of (linkages, times, 2), m, of the traced joints; NaN where a linkage has jammed. reached: an array of
 (linkages,), the last time of each, s. status: 'ok', 'limit_reached', ... of each. accuracy: a
-motion with a larger estimated error, relative, is 'inaccurate'.)")
+motion with a larger estimated error, relative, is 'inaccurate'. Ctrl-C raises Interrupted, whose `result` has the
+linkages that are done; the others are NaN, with the status 'interrupted'. progress: tqdm, or a bar of it.)")
       .def("__repr__", [](const Fleet& f) { return "Fleet(" + plural(f.size(), "linkage") + ")"; });
 
   m.def(

@@ -1,3 +1,8 @@
+import os
+import signal
+import threading
+import types
+
 import numpy
 import pytest
 
@@ -140,6 +145,23 @@ def test_fleets():
     assert "dyad" in repr(linkages[0][3])
     with pytest.raises(assur.InputError, match="linkage 0"):
         assur.Fleet([[joint.crank(0, 1, 0, 1)]])
+
+
+def test_ctrl_c_keeps_the_linkages_that_are_done():
+    fleet = assur.Fleet.random(1000000)
+    threading.Timer(0.2, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+    with pytest.raises(assur.Interrupted) as stopped:
+        fleet.run(numpy.linspace(0, 1, 10), threads=2)
+    paths, reached, status = stopped.value.result
+    missing = numpy.array(status) == "interrupted"
+    assert 0 < missing.sum() < 1000000 and numpy.isnan(reached[missing]).all() and numpy.isnan(paths[missing]).all()
+    assert not numpy.isnan(paths[numpy.array(status) == "ok"]).any()
+
+
+def test_a_bar_shows_linkages():
+    told = []
+    assur.Fleet.random(3000).run(numpy.linspace(0, 1, 10), progress=types.SimpleNamespace(update=told.append, total=0))
+    assert sum(told) == 3000
 
 
 def test_random_linkages():
