@@ -199,7 +199,6 @@ void compare_with_jams(const Design& narrow, const Design& wide, std::size_t mem
       "(%zu turn, %zu of them alone from some time on, %zu jam, %zu cannot be assembled); ratio %.2f (%.2f to %.2f)\n",
       done, alone, jammed, members - done - jammed, median(ratio), *std::min_element(ratio.begin(), ratio.end()),
       *std::max_element(ratio.begin(), ratio.end()));
-  for (const std::string& text : ensembles[1].report().fallbacks) std::printf("  %s\n", text.c_str());
 }
 
 // 18 coordinates of the joints of the base and 6 of those of the terminal.

@@ -123,16 +123,18 @@ class SimulatorState {
   std::unique_ptr<Impl> impl_;
 };
 
-// A controlled driver, or one value of a controlled pose, of the simulators of one Prepared: found once by its name, so
-// that a control loop looks up no text. See Simulator::driver().
+// A controlled driver, or one value of a controlled pose, of the simulators of one Prepared, or of others whose
+// controlled drivers have the same names in the same order: found once by its name, so that a control loop looks up no
+// text. See Simulator::driver().
 class DriverHandle {
  public:
   DriverHandle() = default;  // of no driver: Simulator::set() refuses it
 
  private:
   friend class Simulator;
-  explicit DriverHandle(std::int32_t index) : index_(index) {}
-  std::int32_t index_ = -1;
+  DriverHandle(std::size_t index, std::size_t among) : index_(index), among_(among) {}
+  std::size_t index_ = static_cast<std::size_t>(-1);
+  std::size_t among_ = 0;  // stands for the names of all controlled drivers
 };
 
 // Moves one mechanism. Simulators share no data that changes: each thread of the program may use its own one, also
@@ -179,8 +181,8 @@ class Simulator {
   // driver. A number that is not finite lets the next step fail as not_finite, with an event that names the driver; all
   // targets of that step are then dropped.
   void set(std::string_view driver, double value, double rate = 0, double acceleration = 0);
-  // The same without a search for the name. `driver` is of this simulator, or of another one of the same Prepared.
-  // Throws Error (input) for a handle of no driver.
+  // The same without a search for the name. `driver` is of this simulator, or of another one with the same controlled
+  // drivers. Throws Error (input) for any other handle.
   void set(DriverHandle driver, double value, double rate = 0, double acceleration = 0);
   // The handle of a controlled driver. Throws like set().
   [[nodiscard]] DriverHandle driver(std::string_view name) const;

@@ -28,7 +28,8 @@ void compute(std::span<const ReplayStep> steps, std::size_t from, std::size_t to
       for (std::size_t l = 0; l < kLanes; ++l) out[l] = parameters[l][s.a];
       continue;
     }
-    const double *const a = numbers + s.a * kLanes, *const b = numbers + s.b * kLanes, *const c = numbers + s.c * kLanes;
+    const double *const a = numbers + s.a * kLanes, *const b = numbers + s.b * kLanes,
+                        *const c = numbers + s.c * kLanes;
     switch (s.kind) {
       case Kind::add:
         for (std::size_t l = 0; l < kLanes; ++l) out[l] = a[l] + b[l];
@@ -68,7 +69,26 @@ void compute(std::span<const ReplayStep> steps, std::size_t from, std::size_t to
   }
 }
 
-ComputeSteps kernel(std::size_t lanes) { return lanes == 4 ? compute<4> : lanes == 8 ? compute<8> : compute<16>; }
+template <std::size_t kLanes>
+void check(std::span<const Tape::Guard> guards, std::span<const std::uint32_t> wanted, const double* numbers,
+           double* off) {
+  for (std::size_t l = 0; l < kLanes; ++l) off[l] = 0;
+  for (const Tape::Guard& g : guards) {
+    const double *const a = numbers + idx(g.a) * kLanes, *const b = numbers + idx(g.b) * kLanes;
+    for (std::size_t l = 0; l < kLanes; ++l) {
+      const bool holds = g.is_less ? a[l] < b[l] : a[l] == b[l];
+      off[l] += (holds == g.outcome ? 0 : 1) + 0 * a[l] + 0 * b[l];
+    }
+  }
+  for (const std::uint32_t step : wanted) {
+    for (std::size_t l = 0; l < kLanes; ++l) off[l] += 0 * numbers[step * kLanes + l];
+  }
+}
+
+template <std::size_t kLanes>
+constexpr ReplayKernels kKernels = {compute<kLanes>, check<kLanes>};
+
+ReplayKernels kernels(std::size_t lanes) { return lanes == 4 ? kKernels<4> : lanes == 8 ? kKernels<8> : kKernels<16>; }
 
 }  // namespace
 }  // namespace assur::HWY_NAMESPACE
@@ -77,7 +97,7 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace assur {
 
-HWY_EXPORT(kernel);
+HWY_EXPORT(kernels);
 
 namespace {
 
@@ -101,9 +121,9 @@ void each_operand(const Tape& tape, const Tape::Operation& o, const Use& use) {
 // Keeps what the wanted numbers and the guards need.
 Replay::Replay(const Tape& tape, std::span<const Tape::Node> wanted, std::size_t lanes)
     : lanes_(std::clamp<std::size_t>(std::bit_ceil(lanes), 4, 16)),
-      compute_(HWY_DYNAMIC_DISPATCH(kernel)(lanes_)),
+      kernels_(HWY_DYNAMIC_DISPATCH(kernels)(lanes_)),
       parameters_(lanes_),
-      holds_(lanes_) {
+      off_(lanes_) {
   const auto operations = tape.operations();
   std::vector<std::uint8_t> needed(operations.size(), 0);
   for (const Tape::Node n : wanted) needed[idx(n)] = 1;
@@ -132,7 +152,8 @@ Replay::Replay(const Tape& tape, std::span<const Tape::Node> wanted, std::size_t
     if (o.kind == Kind::formula || o.kind == Kind::literal) formula_steps_.push_back(steps_.size());
     steps_.push_back(s);
     numbers_.resize(steps_.size() * lanes_);
-    if (o.kind == Kind::literal) std::fill(numbers_.end() - std::ssize(holds_), numbers_.end(), tape.literals()[idx(o.a)]);
+    if (o.kind == Kind::literal)
+      std::fill(numbers_.end() - std::ssize(off_), numbers_.end(), tape.literals()[idx(o.a)]);
   }
   for (const Tape::Node n : wanted) wanted_.push_back(step(n));
   std::set<std::tuple<Tape::Node, Tape::Node, bool>> known;
@@ -149,12 +170,12 @@ void Replay::run(std::span<const double* const> parameters) {
   for (std::size_t l = 0; l < lanes_; ++l) parameters_[l] = parameters[l < parameters.size() ? l : 0];
   std::size_t next = 0;
   for (const std::size_t i : formula_steps_) {
-    compute_(steps_, next, i, parameters_, numbers_.data());
+    kernels_.compute(steps_, next, i, parameters_, numbers_.data());
     if (steps_[i].kind == Kind::formula) evaluate_formula(steps_[i], &numbers_[i * lanes_], parameters.size());
     next = i + 1;
   }
-  compute_(steps_, next, steps_.size(), parameters_, numbers_.data());
-  check(parameters.size());
+  kernels_.compute(steps_, next, steps_.size(), parameters_, numbers_.data());
+  kernels_.check(guards_, wanted_, numbers_.data(), off_.data());
 }
 
 void Replay::evaluate_formula(const ReplayStep& s, double* out, std::size_t used) {
@@ -162,20 +183,6 @@ void Replay::evaluate_formula(const ReplayStep& s, double* out, std::size_t used
     arguments_at_hand_.clear();
     for (const std::uint32_t step : arguments_[s.b]) arguments_at_hand_.push_back(numbers_[step * lanes_ + l]);
     out[l] = formulas_[s.b](arguments_at_hand_);
-  }
-}
-
-void Replay::check(std::size_t used) {
-  std::fill(holds_.begin(), holds_.end(), std::uint8_t{1});
-  const auto hold = [&](std::size_t l, bool is) { holds_[l] = is ? holds_[l] : std::uint8_t{0}; };
-  for (const Tape::Guard& g : guards_) {
-    const double *const a = &numbers_[idx(g.a) * lanes_], *const b = &numbers_[idx(g.b) * lanes_];
-    for (std::size_t l = 0; l < used; ++l) {
-      hold(l, (g.is_less ? a[l] < b[l] : a[l] == b[l]) == g.outcome && std::isfinite(a[l]) && std::isfinite(b[l]));
-    }
-  }
-  for (std::size_t i = 0; i < wanted_.size(); ++i) {
-    for (std::size_t l = 0; l < used; ++l) hold(l, std::isfinite(wanted(i)[l]));
   }
 }
 

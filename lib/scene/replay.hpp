@@ -20,6 +20,17 @@ struct ReplayStep {
 using ComputeSteps = void (*)(std::span<const ReplayStep> steps, std::size_t from, std::size_t to,
                               std::span<const double* const> parameters, double* numbers);
 
+// off: lanes; receives 0, or a number other than 0 or NaN if a guard has another outcome, or if one of the numbers that
+// it compares or that are wanted is not finite.
+using CheckSteps = void (*)(std::span<const Tape::Guard> guards, std::span<const std::uint32_t> wanted,
+                            const double* numbers, double* off);
+
+// For one number of lanes: 4, 8 or 16.
+struct ReplayKernels {
+  ComputeSteps compute;
+  CheckSteps check;
+};
+
 class Replay {
  public:
   // lanes: largest number of members at once; wanted: nodes whose values are asked for.
@@ -30,14 +41,12 @@ class Replay {
   // The wanted number i of each lane.
   [[nodiscard]] const double* wanted(std::size_t i) const { return &numbers_[wanted_[i] * lanes_]; }
   // False if the recorded computation would have gone another way for the member, or if a number is not finite.
-  [[nodiscard]] bool holds(std::size_t lane) const { return holds_[lane] != 0; }
+  [[nodiscard]] bool holds(std::size_t lane) const { return off_[lane] == 0; }
 
  private:
   void evaluate_formula(const ReplayStep& step, double* out, std::size_t used);
-  void check(std::size_t used);
-
-  std::size_t lanes_;  // 4, 8 or 16
-  ComputeSteps compute_;
+  std::size_t lanes_;
+  ReplayKernels kernels_;
   std::vector<ReplayStep> steps_;
   std::vector<std::size_t> formula_steps_;  // ascending
   std::vector<double> numbers_;             // steps x lanes
@@ -47,7 +56,7 @@ class Replay {
   std::vector<std::vector<std::uint32_t>> arguments_;  // of the formulas: steps
   std::vector<double> arguments_at_hand_;
   std::vector<const double*> parameters_;  // lanes
-  std::vector<std::uint8_t> holds_;        // lanes
+  std::vector<double> off_;                // lanes, see CheckSteps
 };
 
 }  // namespace assur

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <string>
 
 #include "numbers.hpp"
 #include "scene/jet.hpp"
@@ -78,6 +80,9 @@ Inputs::Inputs(const System& system, const std::vector<std::string>& controlled)
       add_control(name + "." + pose_part(k, system.dimension), i, static_cast<int>(k));
     }
   }
+  std::string all;
+  for (const Control& c : controls_) all += c.name + '\n';
+  names_ = std::hash<std::string>()(all);
   compile(all_driven(system));
 }
 
@@ -126,9 +131,10 @@ bool Inputs::follows_law(std::size_t input, std::size_t law) const {
          });
 }
 
-void Inputs::set(std::size_t driver, const Motion& motion) {
-  if (driver >= controls_.size()) {
-    throw Error(Error::Kind::input, "this is no handle of a controlled driver; ask Simulator::driver() for it");
+void Inputs::set(std::size_t driver, std::size_t names, const Motion& motion) {
+  if (driver >= controls_.size() || names != names_) {
+    throw Error(Error::Kind::input,
+                "this is no handle of a controlled driver of this mechanism; ask Simulator::driver() for it");
   }
   Control& c = controls_[driver];
   c.next = motion;

@@ -61,8 +61,11 @@ class Inputs {
 
   // The number of a controlled driver. Throws Error (input) for any other name.
   [[nodiscard]] std::size_t index(std::string_view driver) const;
-  // Sets the target of this driver for the next step. Throws Error (input) for a number of no driver.
-  void set(std::size_t driver, const Motion& motion);
+  // Stands for the names of all controlled drivers.
+  [[nodiscard]] std::size_t names() const { return names_; }
+  // Sets the target of this driver for the next step. Throws Error (input) for a number of no driver, or of a driver
+  // among other `names`.
+  void set(std::size_t driver, std::size_t names, const Motion& motion);
   // The first driver whose target is not finite, with that number; null if there is none.
   [[nodiscard]] const std::string* not_finite(double& value) const;
   // Forgets the targets of the next step.
@@ -105,6 +108,7 @@ class Inputs {
   std::vector<Lever> levers_;
   std::vector<double> accepted_angles_;
   Controls controls_;
+  std::size_t names_ = 0;
 };
 
 }  // namespace assur

@@ -66,10 +66,11 @@ void Simulator::set(std::string_view driver, double value, double rate, double a
   set(this->driver(driver), value, rate, acceleration);
 }
 void Simulator::set(DriverHandle driver, double value, double rate, double acceleration) {
-  impl_->motion.inputs().set(static_cast<std::size_t>(driver.index_), {value, rate, acceleration});
+  impl_->motion.inputs().set(driver.index_, driver.among_, {value, rate, acceleration});
 }
 DriverHandle Simulator::driver(std::string_view name) const {
-  return DriverHandle(static_cast<std::int32_t>(impl_->motion.inputs().index(name)));
+  const Inputs& inputs = impl_->motion.inputs();
+  return {inputs.index(name), inputs.names()};
 }
 
 Status Simulator::step() {

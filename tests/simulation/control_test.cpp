@@ -113,6 +113,8 @@ TEST(Control, HandlesStandForNames) {
   EXPECT_EQ(test::allocations(), before);
   EXPECT_THROW(by_handle.set(DriverHandle(), 1), Error);
   EXPECT_THROW(Simulator(prepare(sample("stewart"))).set(x, 1), Error);
+  Simulator with_others(prepare(sample("four_bar"), {.controlled = {"motor"}}));
+  EXPECT_THROW(with_others.set(x, 1), Error);  // though both are the first ones
   EXPECT_THROW((void)by_handle.driver("pose.w"), Error);
   EXPECT_THROW((void)by_handle.index("B3.q"), Error);
 }
