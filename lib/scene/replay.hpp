@@ -20,8 +20,8 @@ struct ReplayStep {
 using ComputeSteps = void (*)(std::span<const ReplayStep> steps, std::size_t from, std::size_t to,
                               std::span<const double* const> parameters, double* numbers);
 
-// off: lanes; receives 0, or a number other than 0 or NaN if a guard has another outcome, or if one of the numbers that
-// it compares or that are wanted is not finite.
+// off: lanes; receives 0 if all guards have their outcomes and all numbers that are compared or wanted are finite, else
+// another number or NaN.
 using CheckSteps = void (*)(std::span<const Tape::Guard> guards, std::span<const std::uint32_t> wanted,
                             const double* numbers, double* off);
 

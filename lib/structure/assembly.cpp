@@ -13,8 +13,8 @@ namespace {
 constexpr Eigen::Index kDenseAssembly = 96;  // larger blocks are factored sparse
 constexpr int kAssemblySteps = 60;
 constexpr int kFitSteps = 400;
-constexpr double kWellDamped = 1e-3;
-constexpr double kLeastGain = 1e-4;  // of a step of least squares, as a part of the sum of squares
+constexpr double kWellDamped = 1e-3;  // internal units
+constexpr double kLeastGain = 1e-4;   // of a step of least squares, as a part of the sum of squares
 constexpr int kPolishSteps = 10;
 constexpr double kStuck = 1e-8;  // relative residual; least squares that end above it found no posture
 constexpr double kNudge = 0.1;   // internal units: typical lengths are 1
@@ -77,13 +77,12 @@ void descend(const DenseBlock& block, std::span<const Index> unknowns, std::vect
     const Eigen::VectorXd phi = block.residuals(q), x = gather(unknowns, q);
     const Eigen::VectorXd g = j.transpose() * phi;
     const bool is_dense = block.columns() <= kDenseAssembly;
-    const Eigen::MatrixXd normal = is_dense ? Eigen::MatrixXd(j.transpose() * j) : Eigen::MatrixXd();
     bool improved = false;
     for (int attempt = 0; attempt < 40 && !improved; ++attempt) {
       // min |J p + phi|^2 + mu^2 |p|^2. J^T J squares the condition, so that it serves only well damped steps.
       Eigen::VectorXd p;
       if (is_dense && mu >= kWellDamped) {
-        Eigen::MatrixXd damped = normal;
+        Eigen::MatrixXd damped(j.transpose() * j);
         damped.diagonal().array() += mu * mu;
         p = damped.llt().solve(-g);
       } else if (is_dense) {
@@ -101,7 +100,7 @@ void descend(const DenseBlock& block, std::span<const Index> unknowns, std::vect
       scatter(unknowns, x + p, q);
       const double now = block.residuals(q).squaredNorm();
       if (p.allFinite() && now < best) {
-        if (mu <= 1 && now > best * (1 - kLeastGain)) return;  // the equations have no solution near here
+        if (mu <= 1 && now > best * (1 - kLeastGain)) return;  // as good as stationary
         improved = true;
         best = now;
         mu = std::max(mu / 10, 1e-14);
