@@ -1,15 +1,26 @@
 # For the scripts in this folder: runs parts one after the other, and reports their times. shellcheck shell=bash
 rows=() current=
 
-# part NAME COMMAND...: runs the command and records its time. If it fails, the script ends and names the part.
+# part NAME [MINUTES] COMMAND...: runs the command and records its time, beside its budget of MINUTES on two slow cores.
+# If the command fails, or takes more than one and a half times its budget, the script ends and names the part.
 part() {
+  local budget= from=$SECONDS of=
   current=$1
-  local from=$SECONDS
-  printf '\n== %s\n' "$current"
   shift
+  if [[ $1 =~ ^[0-9]+$ ]]; then
+    budget=$(($1 * 60))
+    of=" of $budget"
+    shift
+  fi
+  printf '\n== %s\n' "$current"
   "$@"
-  rows+=("$(printf '  %-20s %5d s' "$current" $((SECONDS - from)))")
-  printf '== %s: passed, %d s\n' "$current" $((SECONDS - from))
+  local seconds=$((SECONDS - from))
+  rows+=("$(printf '  %-20s %5d s%s' "$current" "$seconds" "$of")")
+  if [[ -n $budget ]] && ((2 * seconds > 3 * budget)); then
+    printf '== %s: %d s%s s, more than one and a half times its budget\n' "$current" "$seconds" "$of"
+    exit 1
+  fi
+  printf '== %s: passed, %d s\n' "$current" "$seconds"
   current=
 }
 

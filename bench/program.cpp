@@ -16,13 +16,11 @@ namespace {
 
 constexpr int kWarm = 10;  // steps, for the history of the predictors and the memory of the solvers
 
-// --simd=AVX2 or SSE4: runs as on a processor without wider instructions. Highway gives the best target the lowest
-// number.
+// --simd=AVX2: runs as on a processor without wider instructions. Highway gives the best target the lowest number.
 bool take_simd(std::string_view argument) {
-  const bool avx2 = argument == "--simd=AVX2", sse4 = argument == "--simd=SSE4";
-  if (avx2) hwy::SetSupportedTargetsForTest(hwy::SupportedTargets() & -std::int64_t{HWY_AVX2});
-  if (sse4) hwy::SetSupportedTargetsForTest(hwy::SupportedTargets() & -std::int64_t{HWY_SSE4});
-  return avx2 || sse4;
+  if (argument != "--simd=AVX2") return false;
+  hwy::SetSupportedTargetsForTest(hwy::SupportedTargets() & -std::int64_t{HWY_AVX2});
+  return true;
 }
 
 }  // namespace

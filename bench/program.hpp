@@ -10,7 +10,7 @@
 namespace assur::bench {
 
 // Describes the machine and runs the benchmarks that `register_all` registers. Defaults: repetitions of 0.05 s,
-// interleaved at random, and aggregates only. --simd=AVX2 or SSE4 disables wider instructions. Returns the exit status.
+// interleaved at random, and aggregates only. --simd=AVX2 disables wider instructions. Returns the exit status.
 int run_program(int argc, char** argv, void (*register_all)(), int repetitions = 5);
 
 // False if the strategy cannot run here, or if no class has enough groups for its lanes: a strategy with fewer lanes is

@@ -3,7 +3,7 @@
 
 namespace assur {
 
-// The widest set of this processor that the library is compiled for, named as in Highway: "SSE4", "AVX2", ...
+// The widest set of this processor that the library is compiled for, named as in Highway: "AVX2", "NEON", ...
 [[nodiscard]] const char* instruction_set();
 
 }  // namespace assur

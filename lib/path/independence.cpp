@@ -6,6 +6,7 @@
 #include <numeric>
 #include <utility>
 
+#include "decompositions.hpp"
 #include "index.hpp"
 #include "numbers.hpp"
 
@@ -15,6 +16,16 @@ namespace {
 constexpr std::size_t kLargestUnit = 200;  // unknowns of a unit, whose factors are dense
 
 }  // namespace
+
+struct Independence::Unit {
+  std::vector<Index> unknowns;
+  std::vector<Row> rows;
+  Eigen::MatrixXd jacobian;
+  Eigen::PartialPivLU<Eigen::MatrixXd> lu;
+  Eigen::VectorXd right;
+};
+
+Independence::~Independence() = default;
 
 Independence::Independence(const System& system, const Structure& structure, std::span<const std::int32_t> address)
     : system_(system),

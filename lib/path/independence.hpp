@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "assur/structure.hpp"
-#include "decompositions.hpp"
 #include "scene/system.hpp"
 
 namespace assur {
@@ -24,6 +23,7 @@ class Independence {
  public:
   // `address`: coordinates -> index into the state arrays. All must outlive it.
   Independence(const System& system, const Structure& structure, std::span<const std::int32_t> address);
+  ~Independence();
 
   // True if no equation is redundant, or if a block is too large to examine (more than 200 unknowns).
   [[nodiscard]] bool empty() const { return dropped_.empty(); }
@@ -42,14 +42,7 @@ class Independence {
     std::vector<Entry> entries;  // its gradient
     double length = 0;           // over the unknowns of the units
   };
-  // Equations and unknowns that are solved together: an irreducible block of a group.
-  struct Unit {
-    std::vector<Index> unknowns;
-    std::vector<Row> rows;
-    Eigen::MatrixXd jacobian;
-    Eigen::PartialPivLU<Eigen::MatrixXd> lu;
-    Eigen::VectorXd right;
-  };
+  struct Unit;  // equations and unknowns that are solved together: an irreducible block of a group
   void collect(const Structure& structure);
   void keep_those_behind();
   [[nodiscard]] bool in_solving_order();

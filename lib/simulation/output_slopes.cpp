@@ -5,11 +5,19 @@
 #include <string>
 #include <utility>
 
+#include "decompositions.hpp"
 #include "index.hpp"
 #include "numbers.hpp"
 #include "scene/outputs.hpp"
 
 namespace assur {
+
+struct OutputSlopes::Decomposition {
+  Eigen::MatrixXd matrix;
+  Eigen::JacobiSVD<Eigen::MatrixXd> svd;
+};
+
+OutputSlopes::~OutputSlopes() = default;
 
 OutputSlopes::OutputSlopes(const Structure& structure, Continuation& motion, const OutputProgram& outputs)
     : motion_(motion), outputs_(outputs) {
@@ -36,8 +44,11 @@ OutputSlopes::OutputSlopes(const Structure& structure, Continuation& motion, con
   regular_.resize(motion.packs().size());
   slopes_.resize(columns.size());
   out_.values.resize(rows_.size() * drivers);
-  matrix_.resize(static_cast<Eigen::Index>(rows_.size()), static_cast<Eigen::Index>(drivers));
-  if (matrix_.size() > 0) svd_ = Eigen::JacobiSVD<Eigen::MatrixXd>(matrix_.rows(), matrix_.cols());
+  if (!out_.values.empty()) {
+    Eigen::MatrixXd matrix(static_cast<Eigen::Index>(rows_.size()), static_cast<Eigen::Index>(drivers));
+    Eigen::JacobiSVD<Eigen::MatrixXd> svd(matrix.rows(), matrix.cols());
+    decomposition_ = std::make_unique<Decomposition>(Decomposition{std::move(matrix), std::move(svd)});
+  }
 }
 
 // Computes changes_, the derivatives of all coordinates.
@@ -80,11 +91,12 @@ const OutputJacobian& OutputSlopes::compute() {
       }
     }
   }
-  if (matrix_.size() == 0) return out_;
+  if (!decomposition_) return out_;
+  auto& [matrix, svd] = *decomposition_;
   using ByRows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  matrix_ = Eigen::Map<const ByRows>(out_.values.data(), matrix_.rows(), matrix_.cols());
-  if (!matrix_.allFinite()) return out_;  // an output has no derivative here
-  out_.smallest_singular_value = svd_.compute(matrix_).singularValues().minCoeff();
+  matrix = Eigen::Map<const ByRows>(out_.values.data(), matrix.rows(), matrix.cols());
+  if (!matrix.allFinite()) return out_;  // an output has no derivative here
+  out_.smallest_singular_value = svd.compute(matrix).singularValues().minCoeff();
   return out_;
 }
 

@@ -3,10 +3,10 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "assur/jacobian.hpp"
-#include "decompositions.hpp"
 #include "path/continuation.hpp"
 #include "signals/output_program.hpp"
 
@@ -17,6 +17,7 @@ class OutputSlopes {
  public:
   // The arguments must outlive this object.
   OutputSlopes(const Structure& structure, Continuation& motion, const OutputProgram& outputs);
+  ~OutputSlopes();
 
   // Computes the Jacobian of the current posture.
   [[nodiscard]] const OutputJacobian& compute();
@@ -37,8 +38,8 @@ class OutputSlopes {
   LaneArray resting_;                  // zeros
   std::vector<std::uint8_t> regular_;  // packs
   std::vector<double> slopes_;         // columns
-  Eigen::MatrixXd matrix_;
-  Eigen::JacobiSVD<Eigen::MatrixXd> svd_;
+  struct Decomposition;  // keeps Eigen out of this header
+  std::unique_ptr<Decomposition> decomposition_;  // null without outputs or drivers
   OutputJacobian out_;
 };
 
