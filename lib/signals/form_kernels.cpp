@@ -19,9 +19,9 @@ void evaluate(std::span<const FormRow> rows, const FormTerm* terms, const double
     L value = L::set(constant) * L::load(row.offset), rate = L::set(0), acceleration = L::set(0);
     for (const FormTerm* t = terms + row.begin; t != terms + row.end; ++t) {
       const L factor = L::load(t->factor);  // products are rounded, as those of single forms
-      value = value + factor * gather_input<kFormLanes>(t->coordinate, nullptr, state[0]);
-      rate = rate + factor * gather_input<kFormLanes>(t->coordinate, nullptr, state[1]);
-      acceleration = acceleration + factor * gather_input<kFormLanes>(t->coordinate, nullptr, state[2]);
+      value = value + factor * load_input<kFormLanes>(t->coordinate, state[0]);
+      rate = rate + factor * load_input<kFormLanes>(t->coordinate, state[1]);
+      acceleration = acceleration + factor * load_input<kFormLanes>(t->coordinate, state[2]);
     }
     value.store(sums[0]);
     rate.store(sums[1]);
