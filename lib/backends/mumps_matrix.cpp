@@ -9,6 +9,8 @@
 #include <numeric>
 #include <string>
 
+#include "parallel/thread_state.hpp"
+
 namespace assur::mumps {
 namespace {
 
@@ -48,6 +50,7 @@ Matrix::~Matrix() { call(kEnd); }
 
 void Matrix::call(int job) {
   const std::scoped_lock lock(turn);
+  const BlasThreads one(1);  // BLAS would use those of the caller
   data_.job = job;
   dmumps_c(&data_);
 }

@@ -76,6 +76,7 @@ void UmfpackSolver::analyze_lanes(const Pattern& pattern, int lanes) {
   lanes_.clear();
   lanes_.resize(static_cast<std::size_t>(lanes));
   for (Lane& lane : lanes_) lane.values.resize(row_.size());
+  const BlasThreads one(1);
   void* symbolic = nullptr;
   const int status = umfpack_di_symbolic(pattern.n, pattern.n, column_start_.data(), row_.data(), nullptr, &symbolic,
                                          control_.data(), nullptr);
@@ -87,6 +88,7 @@ Code UmfpackSolver::factorize_lane(std::span<const double> values, int index) {
   Lane& lane = lanes_[static_cast<std::size_t>(index)];
   std::copy(values.begin(), values.end(), lane.values.begin());
   std::array<double, UMFPACK_INFO> info{};
+  const BlasThreads one(1);  // BLAS would use those of the caller
   void* numeric = nullptr;
   lane.numeric.reset();
   const int status = umfpack_di_numeric(column_start_.data(), row_.data(), lane.values.data(), symbolic_.get(),

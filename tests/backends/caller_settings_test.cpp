@@ -46,16 +46,17 @@ struct Settings {
 
 class CallerSettings : public testing::TestWithParam<const Backend*> {
  protected:
-  // These numbers differ from all budgets of the test, so that a setting left behind is found.
+  // These numbers differ from all budgets of the test, so that a setting left behind is found. They differ from each
+  // other, so that a call of BLAS on the threads of the caller is found: OpenBLAS then takes the number of OpenMP.
   void SetUp() override {
+    set("openblas_set_num_threads", 4);  // also sets that of OpenMP
     set("omp_set_num_threads", 3);
-    set("openblas_set_num_threads", 3);
     set("omp_set_dynamic", 0);
     set("omp_set_max_active_levels", 5);
   }
   void TearDown() override {
-    set("omp_set_num_threads", before_.openmp_threads);
     set("openblas_set_num_threads", before_.openblas_threads);
+    set("omp_set_num_threads", before_.openmp_threads);
     set("omp_set_dynamic", before_.openmp_dynamic);
     set("omp_set_max_active_levels", before_.openmp_levels);
   }
