@@ -21,7 +21,7 @@ TEST(Plan, SavedPlansRun) {
   EXPECT_EQ(prepared.name, "stewart");
   ASSERT_EQ(prepared.plan.choices.size(), o.json()["classes"].size());
   for (std::size_t c = 0; c < prepared.plan.choices.size(); ++c) {
-    EXPECT_EQ(to_string(prepared.plan.strategy(prepared.plan.choices[c])), o.json()["classes"][c]["strategy"]);
+    EXPECT_EQ(o.json()["classes"][c]["strategy"], to_string(prepared.plan.strategy(prepared.plan.choices[c])));
   }
   Simulator simulator(prepared);
   EXPECT_EQ(simulator.run().rows(), 1001u);

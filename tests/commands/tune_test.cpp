@@ -41,7 +41,7 @@ TEST_F(Tune, MeasuresTheMachineWithinItsBudget) {
   EXPECT_TRUE(runs[0].finished);
   EXPECT_EQ(runs[0].id, result["tuning_run"]);
   EXPECT_EQ(runs[0].samples, result["samples"]);
-  EXPECT_EQ(runs[0].grade, result["grade"]);
+  EXPECT_EQ(result["grade"], runs[0].grade);
   const std::optional<std::string> learned = store().model(db::this_host(), "quick");
   ASSERT_TRUE(learned.has_value());
   EXPECT_EQ(nlohmann::json::parse(*learned)["winners"], result["winners"]);
