@@ -1,36 +1,10 @@
 # Every package that the build looks for, in one place.
-#
-#   assur_package(NAME required|optional DEBIAN package FOR "what it is for" [arguments of find_package])
-#
-# collects missing packages, so that one run of CMake names all of them.
-
-function(assur_note line)
-  set_property(GLOBAL APPEND PROPERTY ASSUR_SUMMARY "${line}")
-endfunction()
-
-macro(assur_package name need)
-  cmake_parse_arguments(package "" "DEBIAN;FOR" "" ${ARGN})
-  find_package(${name} QUIET ${package_UNPARSED_ARGUMENTS})
-  if(${name}_FOUND)
-    assur_note("  found    ${name} ${${name}_VERSION}: ${package_FOR}")
-  elseif(${need} STREQUAL required)
-    assur_note("  MISSING  ${name}: ${package_FOR} (Debian: apt install ${package_DEBIAN})")
-    set_property(GLOBAL APPEND PROPERTY ASSUR_MISSING ${package_DEBIAN})
-  else()
-    assur_note("  without  ${name}: ${package_FOR} (Debian: apt install ${package_DEBIAN})")
-  endif()
-endmacro()
-
-function(assur_summary)
-  get_property(lines GLOBAL PROPERTY ASSUR_SUMMARY)
-  list(JOIN lines "\n" text)
-  message(STATUS "assur ${PROJECT_VERSION}, ${CMAKE_BUILD_TYPE}\n${text}")
-endfunction()
+include(AssurPackage)
 
 find_package(Threads REQUIRED)
-assur_package(Eigen3 required DEBIAN libeigen3-dev FOR "dense linear algebra" 3.4 NO_MODULE)
-assur_package(hwy required DEBIAN libhwy-dev FOR "SIMD lanes" 1.0.3 CONFIG)
-assur_package(nlohmann_json required DEBIAN nlohmann-json3-dev FOR "scene files" 3.10)
+assur_package(Eigen3 required DEBIAN libeigen3-dev FOR "dense linear algebra" VERSION 3.4 NO_MODULE)
+assur_package(hwy required DEBIAN libhwy-dev FOR "SIMD lanes" VERSION 1.0.3 CONFIG)
+assur_package(nlohmann_json required DEBIAN nlohmann-json3-dev FOR "scene files" VERSION 3.10)
 assur_package(muparser required DEBIAN libmuparser-dev FOR "expressions in scene files")
 assur_package(CXSparse required DEBIAN libsuitesparse-dev FOR "kinematic structure")
 assur_package(BTF required DEBIAN libsuitesparse-dev FOR "kinematic structure")
@@ -44,18 +18,20 @@ else()
   assur_note("  without  UMFPACK: backend umfpack, under the GPL (-D ASSUR_WITH_GPL=ON)")
 endif()
 assur_package(MUMPS optional DEBIAN libmumps-seq-dev FOR "backend mumps")
-assur_package(Hwloc optional DEBIAN libhwloc-dev FOR "cores, caches and memory nodes beyond what Linux tells" 2.1)
-assur_package(Boost optional DEBIAN libboost-dev FOR "reference solutions and certificates in quad precision" 1.74)
-assur_package(tinyxml2 optional DEBIAN libtinyxml2-dev FOR "models in MuJoCo's format" 9.0 CONFIG)
-assur_package(Hdf5C optional DEBIAN libhdf5-dev FOR "data sets of linkages and motions" 1.10)
+assur_package(Hwloc optional DEBIAN libhwloc-dev FOR "cores, caches and memory nodes beyond what Linux tells"
+              VERSION 2.1)
+assur_package(Boost optional DEBIAN libboost-dev FOR "reference solutions and certificates in quad precision"
+              VERSION 1.74)
+assur_package(tinyxml2 optional DEBIAN libtinyxml2-dev FOR "models in MuJoCo's format" VERSION 9.0 CONFIG)
+assur_package(Hdf5C optional DEBIAN libhdf5-dev FOR "data sets of linkages and motions" VERSION 1.10)
 if(ASSUR_PYTHON)
   # The Python of the system, because system packages only work with it.
   find_program(PYTHON_EXECUTABLE python3 HINTS /usr/bin)
   set(Python3_EXECUTABLE ${PYTHON_EXECUTABLE})
-  assur_package(Python3 optional DEBIAN "python3-dev python3-numpy" FOR "the Python package" 3.9
+  assur_package(Python3 optional DEBIAN "python3-dev python3-numpy" FOR "the Python package" VERSION 3.9
                 COMPONENTS Interpreter Development.Module)
   if(Python3_FOUND)  # pybind11 insists on its headers
-    assur_package(pybind11 optional DEBIAN pybind11-dev FOR "the Python package" 2.10 CONFIG)
+    assur_package(pybind11 optional DEBIAN pybind11-dev FOR "the Python package" VERSION 2.10 CONFIG)
   endif()
 endif()
 if(BUILD_TESTING)
@@ -70,5 +46,5 @@ if(missing)
   list(REMOVE_DUPLICATES missing)
   list(JOIN missing " " missing)
   assur_summary()
-  message(FATAL_ERROR "Required packages are missing. On Debian 12: apt-get install ${missing}")
+  message(FATAL_ERROR "Required packages are missing, see above. On Debian: apt-get install ${missing}")
 endif()
