@@ -45,6 +45,12 @@ endforeach()
 set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME assur)
 install(TARGETS assur_command)
 
+# What is installed, and no more.
+add_custom_target(assur_installed DEPENDS assur_core assur assur_command)
+if(TARGET assur_python)
+  add_dependencies(assur_installed assur_python)
+endif()
+
 # Files to which README.md refers are installed beside it, as in the sources.
 install(FILES README.md CHANGELOG.md CONTRIBUTING.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 if(NOT ASSUR_DEBIAN)  # Debian has the text for all packages in one place

@@ -6,16 +6,17 @@ stage=$(mktemp -d)
 trap 'rm -rf "$stage"' EXIT
 mkdir -p "$stage/bin" "$stage/tree/build"
 cp "$quickstart" "$stage/tree/quickstart"
-export CALLS="$stage/calls" ASSUR_DB=
+export CALLS="$stage/calls" ASSUR_DB= SUMMARY= UNKNOWN=
 
 # stand_in NAME 'script': makes a program with that name that records its calls.
 stand_in() {
   printf '#!/bin/bash\necho "%s $*" >>"$CALLS"\n%s\n' "$1" "${2:-}" >"$stage/bin/$1"
   chmod +x "$stage/bin/$1"
 }
-stand_in cmake
+stand_in cmake 'if [[ $* == "--preset release" ]]; then printf "%s\n" "$SUMMARY"; fi'
 stand_in ctest
 stand_in apt-get
+stand_in apt-cache 'for unknown in $UNKNOWN; do [[ $2 == "$unknown" ]] && exit 0; done; echo "$2 | 1.0"'
 stand_in sudo 'exit 1'
 stand_in dpkg-query 'for absent in $ABSENT; do [[ ${!#} == "$absent" ]] && exit 1; done; echo "installed "'
 printf '#!/bin/bash\necho "assur $*" >>"$CALLS"\n' >"$stage/tree/build/assur"
@@ -28,7 +29,7 @@ play() {
   : >"$CALLS"
   status=0
   output=$(PATH="$stage/bin:$PATH" "$stage/tree/quickstart" "${@:3}" 2>&1 </dev/null) || status=$?
-  calls=$(grep -vE '^(dpkg-query|id) ' "$CALLS" || true)
+  calls=$(grep -vE '^(dpkg-query|apt-cache|id) ' "$CALLS" || true)
 }
 fail() { printf 'FAILED: %s\nstatus %s\n%s\ncalls:\n%s\n' "$1" "$status" "$output" "$calls"; exit 1; }
 contains() { [[ $1 == *"$2"* ]]; }
@@ -52,10 +53,26 @@ contains "$output" "CLI11 2.1" || fail "it names the libraries as they are calle
 play 1000 "libboost-dev"
 [[ $status -eq 0 ]] && contains "$output" libboost-dev || fail "an optional package missing: said, and it goes on"
 
+SUMMARY='-- assur
+  found    hwy 1.0.3: SIMD lanes
+  without  UMFPACK: backend umfpack, under the GPL (-D ASSUR_WITH_GPL=ON)
+  without  KLU: backend klu (switched off by CMAKE_DISABLE_FIND_PACKAGE_KLU)
+  without  Boost: reference solutions (version 1.70 was found, 1.74 or later is needed)
+  without  Python3: the Python package (Debian: apt install python3-dev python3-numpy)
+  without  tinyxml2: models (Debian: apt install libtinyxml2-dev)'
+play 1000 "python3-numpy"
+expected='Built without Boost: reference solutions (version 1.70 was found, 1.74 or later is needed)
+Built without tinyxml2: models (CMake does not find libtinyxml2-dev, installed here)'
+[[ $(grep '^Built without' <<<"$output") == "$expected" ]] || fail "it names installed packages that CMake does not use"
+SUMMARY=
+
 if grep -q '^ID=debian' /etc/os-release; then
   play 0 "libgtest-dev cmake" test
   expected=$'apt-get -q update\napt-get -q install -y --no-install-recommends cmake libgtest-dev'
   contains "$calls" "$expected" || fail "as root: installs what is missing and nothing else"
+  UNKNOWN="libboost-dev" play 0 "libboost-dev cmake"
+  contains "$calls" $'--no-install-recommends cmake\n' || fail "leaves out what this release does not have"
+  contains "$output" "lacks libboost-dev, Boost" || fail "and says so"
 fi
 
 play 0 "" tools
