@@ -1,6 +1,6 @@
 /* Moves the crank of a four-bar step by step, as a controller would, and prints the angle of its rocker.
 
-     cc four_bar.c $(pkg-config --cflags --libs assur) -o four_bar && ./four_bar */
+     cc four_bar.c $(pkg-config --cflags --libs --static assur) -o four_bar && ./four_bar */
 #include <stdio.h>
 
 #include <assur/assur.h>

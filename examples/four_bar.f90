@@ -1,6 +1,6 @@
 ! Runs a four-bar over its time grid from Fortran, by iso_c_binding, and prints the range of its rocker's angle.
 !
-!   gfortran four_bar.f90 $(pkg-config --libs assur) -o four_bar && ./four_bar
+!   gfortran four_bar.f90 $(pkg-config --libs --static assur) -o four_bar && ./four_bar
 
 module assur
   use, intrinsic :: iso_c_binding

@@ -9,7 +9,7 @@ if(NOT assur_FOUND OR NOT TARGET assur::core OR TARGET assur::assur)
   message(FATAL_ERROR "the core was not found, or more than it: ${assur_NOT_FOUND_MESSAGE}")
 endif()
 ]=])
-execute_process(COMMAND ${CMAKE_COMMAND} -S ${OUT} -B ${OUT}/build -D CMAKE_PREFIX_PATH=${PREFIX}
+execute_process(COMMAND ${CMAKE_COMMAND} -G ${GENERATOR} -S ${OUT} -B ${OUT}/build -D CMAKE_PREFIX_PATH=${PREFIX}
   -D CMAKE_CXX_COMPILER=${COMPILER} --trace-expand --trace-redirect=${OUT}/trace
   OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
 file(STRINGS ${OUT}/trace calls REGEX "find_package\\(")
