@@ -17,18 +17,19 @@ constexpr double kLocalRounding = 8 * kEps;  // of local coordinates
 // last digits of the offset, which a difference with another point nearby needs.
 struct Forms::Exact {
   Number value, rest;
+  double size;
 
   friend Exact operator+(const Exact& a, const Exact& b) {
     const Number sum = a.value + b.value, of_b = sum - a.value;
-    return rounded(sum, (a.value - (sum - of_b)) + (b.value - of_b) + (a.rest + b.rest));
+    return rounded(sum, (a.value - (sum - of_b)) + (b.value - of_b) + (a.rest + b.rest), a.size + b.size);
   }
   friend Exact operator*(const Exact& a, const Exact& b) {
     const Number product = a.value * b.value;
-    return rounded(product, fma(a.value, b.value, -product) + (a.value * b.rest + a.rest * b.value));
+    return rounded(product, fma(a.value, b.value, -product) + (a.value * b.rest + a.rest * b.value), a.size * b.size);
   }
-  static Exact rounded(const Number& sum, const Number& rest) {
+  static Exact rounded(const Number& sum, const Number& rest, double size) {
     const Number value = sum + rest;
-    return {value, isfinite(value) ? rest - (value - sum) : Number(0)};
+    return {value, isfinite(value) ? rest - (value - sum) : Number(0), size};
   }
 };
 
@@ -40,6 +41,7 @@ Forms::Forms(std::shared_ptr<const Scene> scene, int length_exponent) {
   s_.length_exponent = length_exponent;
   s_.constants = {1.0, -1.0};
   rests_ = {0, 0};
+  sizes_ = {1, 1};
   s_.coordinates.push_back({-1, -1, 0, Role::one, false});
   s_.guess.push_back(1.0);
 
@@ -59,10 +61,12 @@ Forms::Forms(std::shared_ptr<const Scene> scene, int length_exponent) {
   s_.terms.reserve(scalars + constraints * (2 * size + 1));
   s_.constants.reserve(scalars + constraints);
   rests_.reserve(scalars + constraints);
+  sizes_.reserve(scalars + constraints);
 }
 
 System Forms::finish() {
   rests_ = {};
+  sizes_ = {};
   s_.index_names();
   s_.constants.shrink_to_fit();
   s_.form_start.shrink_to_fit();
@@ -75,18 +79,20 @@ System Forms::finish() {
 
 // ---- constants and forms
 
-Number Forms::scaled(const Number& value, int power) const { return ldexp(value, -s_.length_exponent * power); }
-
 Index Forms::internal_constant(const Exact& exact) {
   s_.constants.push_back(exact.value.value());
-  rests_.resize(s_.constants.size());
-  rests_.back() = exact.rest.value();
+  rests_.push_back(exact.rest.value());
+  sizes_.push_back(exact.size);
   return static_cast<Index>(s_.constants.size()) - 1;
 }
 
-Forms::Exact Forms::exact(Index constant) const { return {s_.constants[idx(constant)], rests_[idx(constant)]}; }
+Forms::Exact Forms::exact(Index constant) const {
+  return {s_.constants[idx(constant)], rests_[idx(constant)], sizes_[idx(constant)]};
+}
 
-Index Forms::constant(const Number& value, int power) { return internal_constant({scaled(value, power), 0}); }
+Index Forms::constant(const Number& value, int power, double size) {
+  return internal_constant({scaled(value, power), 0, std::ldexp(size, shift(power))});
+}
 
 Index Forms::form(const Terms& terms) {
   s_.terms.insert(s_.terms.end(), terms.begin(), terms.end());
@@ -117,10 +123,12 @@ void Forms::append(Terms& terms, Index f, Index factor) {
       terms.erase(same);
     } else {
       // A coefficient that is only rounding is zero: two members may be at one place of their body.
+      // A tape compares with the coefficients, so that the scale of other numbers does not matter.
       const Exact a = exact(same->constant), b = exact(c), sum = a + b;
-      const bool is_rounding =
-          t.coordinate != kOne && abs(sum.value) <= kLocalRounding * std::max(abs(a.value), abs(b.value));
-      same->constant = internal_constant(is_rounding ? Exact{} : sum);
+      const Number larger = std::max(abs(a.value), abs(b.value));
+      const double share = larger.value() > 0 ? sum.size / larger.value() : 1;
+      const bool is_rounding = t.coordinate != kOne && abs(sum.value) <= kLocalRounding * share * larger;
+      same->constant = internal_constant(is_rounding ? Exact{0, 0, sum.size} : sum);
     }
   }
 }
@@ -275,7 +283,7 @@ Terms Forms::without_rounding(Terms linear) {
     if (t.coordinate != kOne && value(t) != 0) return linear;
   }
   for (Term& t : linear) {
-    if (t.coordinate == kOne && abs(value(t)) <= kConsistent) t.constant = internal_constant({});
+    if (t.coordinate == kOne && abs(value(t)) <= kConsistent) t.constant = internal_constant({0, 0, 0});
   }
   return linear;
 }

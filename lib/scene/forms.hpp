@@ -1,6 +1,7 @@
 // A System under construction: named items, linear forms and quadratic equations, in internal units.
 #pragma once
 
+#include <cmath>
 #include <initializer_list>
 #include <memory>
 #include <memory_resource>
@@ -39,7 +40,9 @@ class Forms {
   [[nodiscard]] System finish();
 
   // Constants and forms. Values are in SI units, `power` is their power of length.
-  Index constant(const Number& value, int power = 0);
+  Index constant(const Number& value, int power = 0) { return constant(value, power, std::abs(value.value())); }
+  // size: magnitude of the numbers that the value is computed from; far smaller values may be their rounding.
+  Index constant(const Number& value, int power, double size);
   Index form(const Terms& terms);
   Index constant_form(const Number& value, int power) { return form({{kOne, constant(value, power)}}); }
   Index combination(std::initializer_list<std::pair<Index, Index>> parts);  // (form, constant)
@@ -90,9 +93,10 @@ class Forms {
   void add_square(std::vector<Product>& products, const Item& p, const Item& q, Index factor);
 
  private:
-  [[nodiscard]] Number scaled(const Number& value, int power) const;
+  [[nodiscard]] int shift(int power) const { return -s_.length_exponent * power; }  // power of two, to internal units
+  [[nodiscard]] Number scaled(const Number& value, int power) const { return ldexp(value, shift(power)); }
   Terms without_rounding(Terms linear);
-  struct Exact;  // a constant in double-double
+  struct Exact;  // a constant in double-double, with the size of its numbers
   [[nodiscard]] Exact exact(Index constant) const;
   Index internal_constant(const Exact& exact);
   Index times(Index a, Index b);
@@ -101,6 +105,7 @@ class Forms {
   std::pmr::monotonic_buffer_resource names_;  // freed as a whole, because millions of small pieces would leave gaps
   std::pmr::unordered_map<std::string, Index> item_of_{&names_};
   std::vector<double> rests_;  // rounding error of each constant
+  std::vector<double> sizes_;  // magnitude of the numbers that each constant is computed from
   Index row_ = 0;
 };
 

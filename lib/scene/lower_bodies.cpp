@@ -24,6 +24,9 @@ std::array<Numbers, 3> base_axes(const Forms& forms, const Body& body) {
   return {x, recorded::cross(z, x), z};
 }
 
+// Of the local coordinates of a member.
+double size_of_locals(const Member& m) { return std::hypot(m.local[0], m.local[1], m.local[2]); }
+
 }  // namespace
 
 Direction base_direction(const Forms& forms, const Body& body, std::size_t i) {
@@ -114,12 +117,12 @@ void BodyWriter::declare_in_frame(const Body& b) {
       if (power == 1) forms_.append(terms, o.form[k], kPlus);
       if (forms_.dimension() == 3) {
         for (std::size_t j = 0; j < 3; ++j) {
-          forms_.append(terms, axes[j].form[k], forms_.constant(m.local[j], power));
+          forms_.append(terms, axes[j].form[k], forms_.constant(m.local[j], power, size_of_locals(m)));
         }
       } else {  // the second axis is the first one turned left
-        forms_.append(terms, axes[0].form[k], forms_.constant(m.local[0], power));
+        forms_.append(terms, axes[0].form[k], forms_.constant(m.local[0], power, size_of_locals(m)));
         forms_.append(terms, axes[0].form[1 - k],
-                      forms_.constant(k == 0 ? -Number(m.local[1]) : Number(m.local[1]), power));
+                      forms_.constant(k == 0 ? -Number(m.local[1]) : Number(m.local[1]), power, size_of_locals(m)));
       }
       f[k] = forms_.form(terms);
     }
@@ -136,13 +139,14 @@ void BodyWriter::declare_in_plane(const Body& b) {
   const Number length = base_shape(forms_, shared_, b).length;
   const auto declare = [&](const Member& m, int power) {
     const Number alpha = m.local[0] / length, beta = m.local[1] / length;
+    const double size = size_of_locals(m) / length.value();
     Index f[3] = {-1, -1, -1};
     for (int k = 0; k < 2; ++k) {
       const Forms::Components along = forms_.direction(side);
       Terms terms;
       if (power == 1) forms_.append(terms, first.form[k], kPlus);
-      forms_.append(terms, along.form[k], forms_.constant(alpha, power - along.power));
-      forms_.append(terms, along.form[1 - k], forms_.constant(k == 0 ? -beta : beta, power - along.power));
+      forms_.append(terms, along.form[k], forms_.constant(alpha, power - along.power, size));
+      forms_.append(terms, along.form[1 - k], forms_.constant(k == 0 ? -beta : beta, power - along.power, size));
       f[k] = forms_.form(terms);
     }
     forms_.declare_derived(m.name, power, f);
@@ -171,14 +175,17 @@ void BodyWriter::declare_in_space(const Body& b) {
   const auto declare = [&](const Member& m, int power) {
     const Number beta = is_line ? Number(0) : m.local[1] / shape.y;
     const Number alpha = (m.local[0] - beta * shape.x) / shape.length;
+    const double of_beta = is_line ? 0 : size_of_locals(m) / shape.y.value(),
+                 of_alpha = (size_of_locals(m) + of_beta * std::abs(shape.x.value())) / shape.length.value();
     const Forms::Components d = forms_.direction(side), e = forms_.direction(other);
     Index f[3] = {-1, -1, -1};
     for (int k = 0; k < 3; ++k) {
       Terms terms;
       if (power == 1) forms_.append(terms, first.form[k], kPlus);
-      forms_.append(terms, d.form[k], forms_.constant(alpha, power - d.power));
-      if (!is_line) forms_.append(terms, e.form[k], forms_.constant(beta, power - e.power));
-      if (with_normal) forms_.append(terms, forms_.item(normal).form[k], forms_.constant(m.local[2], power));
+      forms_.append(terms, d.form[k], forms_.constant(alpha, power - d.power, of_alpha));
+      if (!is_line) forms_.append(terms, e.form[k], forms_.constant(beta, power - e.power, of_beta));
+      if (with_normal)
+        forms_.append(terms, forms_.item(normal).form[k], forms_.constant(m.local[2], power, size_of_locals(m)));
       f[k] = forms_.form(terms);
     }
     forms_.declare_derived(m.name, power, f);

@@ -76,6 +76,7 @@ void ConstraintWriter::absorb_distances() {
     if (found == angle_of.end()) continue;
     shared_.absorbed.insert(c.name);
     if (d->value) shared_.radius[found->second] = *d->value;
+    angle_of.erase(found);  // a second constraint is an equation
   }
 }
 

@@ -24,12 +24,45 @@ void DriverWriter::write(Index from, const Driver&, const DrivenCoordinate& c, I
 }
 
 void DriverWriter::write(Index from, const Driver& d, const PointAngle& a, Index n) {
+  if (partner(n) >= 0) return write_polar_arm(from, d, a, n);
   const Item& to = forms_.item(a.b);
   for (int k = 0; k < forms_.dimension(); ++k) write_equal(from, to.form[k], arm_end(d, a, n, k));
 }
 
+// B - A - r (cos, sin) = 0 in the plane with the driven distance r; B - A - z n - rho (cos e1 + sin e2) = 0 about a
+// fixed axis n in space, where the auxiliary rho > 0 is the length of the arm across the axis.
+void DriverWriter::write_polar_arm(Index from, const Driver& d, const PointAngle& a, Index n) {
+  const Item &foot = forms_.item(a.a), &end = forms_.item(a.b);
+  const bool in_space = forms_.dimension() == 3;
+  const Index length = in_space ? forms_.item(d.name + ".rho").form[0] : input_form(partner(n), 0);
+  const Numbers axis = in_space ? forms_.at(a.axis) : Numbers{}, e1 = zero_of(a), e2 = recorded::cross(axis, e1);
+  const Number z = along_axis(a);
+  for (int k = 0; k < forms_.dimension(); ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    Terms linear;
+    forms_.append(linear, end.form[k], kPlus);
+    forms_.append(linear, foot.form[k], kMinus);
+    Index direction = input_form(n, k);
+    if (in_space) {
+      forms_.append(linear, forms_.constant_form(-z * axis[i], 1), kPlus);
+      direction =
+          forms_.combination({{input_form(n, 0), forms_.constant(e1[i])}, {input_form(n, 1), forms_.constant(e2[i])}});
+    }
+    forms_.equation(from, {{length, direction, kMinus}}, linear);
+  }
+}
+
+// With an angle driver of the same points, the length of its arm: nothing in the plane, rho^2 + z^2 = d^2 in space.
 void DriverWriter::write(Index from, const Driver&, const DrivenDistance& d, Index n) {
   std::vector<Product> products;
+  if (const Index angle = partner(n); angle >= 0) {
+    if (forms_.dimension() == 2) return;
+    const Driver& turning = forms_.scene().drivers()[static_cast<std::size_t>(angle)];
+    const Index rho = forms_.item(turning.name + ".rho").form[0];
+    const Index z = forms_.constant_form(along_axis(std::get<PointAngle>(turning.kind)), 1);
+    products = {{rho, rho, kPlus}, {z, z, kPlus}, {input_form(n, 0), input_form(n, 0), kMinus}};
+    return forms_.equation(from, products, {});
+  }
   forms_.add_square(products, forms_.item(d.a), forms_.item(d.b), kPlus);
   products.push_back({input_form(n, 0), input_form(n, 0), kMinus});
   forms_.equation(from, products, {});

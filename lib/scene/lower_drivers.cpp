@@ -8,21 +8,50 @@ namespace assur {
 // ---- declarations
 
 void DriverWriter::declare_auxiliaries() {
+  find_partners();
   const auto& drivers = forms_.scene().drivers();
   for (std::size_t i = 0; i < drivers.size(); ++i) {
     const Driver& d = drivers[i];
+    if (const auto* a = std::get_if<PointAngle>(&d.kind); a != nullptr && forms_.dimension() == 3 && partner_[i] >= 0) {
+      const Numbers axis = forms_.at(a->axis);
+      const Numbers across = recorded::cross(axis, recorded::subtract(forms_.at(a->b), forms_.at(a->a)));
+      declare_rho(static_cast<Index>(i), 1, recorded::length(across));
+    }
     const auto* r = std::get_if<RelativeAngle>(&d.kind);
     if (r == nullptr) continue;
     const Numbers from = forms_.at(r->d), to = forms_.at(r->e);
     const int power = forms_.power(r->d) + forms_.power(r->e);
-    forms_.declare_scalar(d.name + ".rho", power, recorded::length(from) * recorded::length(to));
-    const Index rho = forms_.system().form(forms_.item(d.name + ".rho").form[0])[0].coordinate;
-    forms_.system().positive.push_back({rho, static_cast<Index>(i), static_cast<std::int8_t>(power)});
+    declare_rho(static_cast<Index>(i), power, recorded::length(from) * recorded::length(to));
     if (forms_.dimension() == 3 && !forms_.is_fixed(forms_.item(r->axis))) {
       const std::string across = d.name + ".across";
       forms_.declare(across, recorded::cross(forms_.at(r->axis), from), false, forms_.power(r->d));
       shared_.without_norm.insert(across);
     }
+  }
+}
+
+void DriverWriter::declare_rho(Index driver, int power, const Number& guess) {
+  const std::string name = forms_.scene().drivers()[idx(driver)].name + ".rho";
+  forms_.declare_scalar(name, power, guess);
+  const Index rho = forms_.system().form(forms_.item(name).form[0])[0].coordinate;
+  forms_.system().positive.push_back({rho, driver, static_cast<std::int8_t>(power)});
+}
+
+void DriverWriter::find_partners() {
+  const auto& drivers = forms_.scene().drivers();
+  partner_.assign(drivers.size(), -1);
+  std::map<Pair, Index> distance_of;
+  for (std::size_t i = 0; i < drivers.size(); ++i) {
+    const auto* d = std::get_if<DrivenDistance>(&drivers[i].kind);
+    if (d != nullptr) distance_of.emplace(pair_key(d->a, d->b), static_cast<Index>(i));
+  }
+  if (distance_of.empty()) return;
+  for (std::size_t i = 0; i < drivers.size(); ++i) {
+    const auto* a = std::get_if<PointAngle>(&drivers[i].kind);
+    const auto found = a == nullptr ? distance_of.end() : distance_of.find(pair_key(a->a, a->b));
+    if (found == distance_of.end()) continue;
+    partner_[i] = found->second;
+    partner_[idx(found->second)] = static_cast<Index>(i);
   }
 }
 
@@ -109,6 +138,7 @@ bool DriverWriter::fix(const Driver&, const DrivenCoordinate& c, Index n) {
 }
 
 bool DriverWriter::fix(const Driver& d, const PointAngle& a, Index n) {
+  if (partner(n) >= 0) return false;
   const Item &from = forms_.item(a.a), &to = forms_.item(a.b);
   if (!forms_.all_known(from) || !can_be_fixed(to)) return false;
   for (int k = 0; k < forms_.dimension(); ++k) assign(forms_.own_coordinate(to.form[k]), arm_end(d, a, n, k));
@@ -152,6 +182,12 @@ Numbers DriverWriter::zero_of(const PointAngle& a) const {
   return direction_of(recorded::subtract(ab, recorded::scale(recorded::dot(ab, axis), axis)));
 }
 
+// The part of AB along the axis; 0 in the plane.
+Number DriverWriter::along_axis(const PointAngle& a) const {
+  if (forms_.dimension() == 2) return 0;
+  return recorded::dot(recorded::subtract(forms_.at(a.b), forms_.at(a.a)), forms_.at(a.axis));
+}
+
 // B = A + r (cos, sin) in the plane; A + z n + r (cos e1 + sin e2) about a fixed axis n in space.
 Index DriverWriter::arm_end(const Driver& d, const PointAngle& a, Index n, int k) {
   const Numbers ab = recorded::subtract(forms_.at(a.b), forms_.at(a.a));
@@ -164,7 +200,7 @@ Index DriverWriter::arm_end(const Driver& d, const PointAngle& a, Index n, int k
     return forms_.form(terms);
   }
   const Numbers axis = forms_.at(a.axis);
-  const Number z = recorded::dot(ab, axis);
+  const Number z = along_axis(a);
   const Numbers e1 = zero_of(a), e2 = recorded::cross(axis, e1);
   const Number r = sqrt(length * length - z * z);
   const auto at_k = [&](const Numbers& v) { return v[static_cast<std::size_t>(k)]; };

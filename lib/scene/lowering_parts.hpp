@@ -31,6 +31,7 @@ struct Shared {
   std::unordered_set<Index> in_groups;             // coordinates that belong to declared groups
   std::unordered_set<std::string> absorbed;        // distance constraints that become radii of angle drivers
   std::unordered_map<std::string, Number> radius;  // angle drivers: value of the absorbed distance
+  std::unordered_map<std::string, Index> reach;    // angle drivers: driver of the distance of the same points
   std::map<Pair, Number> lengths;                  // pairs of points of bases: distance constraints with a value
   std::set<Pair> distances;                        // pairs of points of bases whose distance is constrained already
   std::vector<bool> fixes;                         // drivers that fix coordinates, so that no equation is left
@@ -167,7 +168,13 @@ class DriverWriter {
   [[nodiscard]] bool can_be_fixed(const Item& item) const;
   void assign(Index coordinate, Index form);
   [[nodiscard]] Numbers zero_of(const PointAngle& angle) const;
+  [[nodiscard]] Number along_axis(const PointAngle& angle) const;
   Index arm_end(const Driver& driver, const PointAngle& angle, Index index, int k);
+  // The drivers of the direction and of the distance of the same points are partners.
+  void find_partners();
+  void declare_rho(Index driver, int power, const Number& guess);
+  [[nodiscard]] Index partner(Index driver) const { return partner_[static_cast<std::size_t>(driver)]; }
+  void write_polar_arm(Index source, const Driver& driver, const PointAngle& angle, Index index);
   std::vector<PoseTarget> pose_targets(const Body& body, Index index);
   [[nodiscard]] const Body& body(const std::string& name) const;
 
@@ -190,6 +197,7 @@ class DriverWriter {
   Shared& shared_;
   std::unordered_set<std::string> controlled_;
   std::vector<Index> first_form_;  // drivers: form of the first input
+  std::vector<Index> partner_;     // drivers: the partner; -1: none
 };
 
 }  // namespace assur

@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "assur/scene.hpp"
@@ -136,6 +137,12 @@ class Validation {
   void rule(const Pose& d, const Driver& driver, const Where& where);
   void check_law(const Law& law, const Where& where);
   void check_arm(const PointAngle& d, const Involved& a, const Involved& b, const Where& where);
+  // The constraints that keep the distance of two points.
+  using Kept = std::unordered_multimap<std::string, const Constraint*>;
+  [[nodiscard]] std::pair<Kept::const_iterator, Kept::const_iterator> kept_distances(const std::string& a,
+                                                                                     const std::string& b);
+  // The driver of the distance of two points; null: there is none. Searches all drivers.
+  [[nodiscard]] const DrivenDistance* driven_distance(const std::string& a, const std::string& b) const;
   void claim(const std::string& what, const Driver& driver, const Where& where);
   void claim_point(const std::string& name, const Driver& driver, const Where& where);
 
@@ -159,6 +166,7 @@ class Validation {
   std::vector<std::size_t> body_order_;
   std::unordered_map<std::string, Triple> local_;         // of members given in the ground
   std::unordered_map<std::string, std::string> claimed_;  // driven quantity -> name of its driver
+  std::optional<Kept> kept_;                              // when it was asked for
   std::vector<Involved> involved_;                        // of the current item, in the order of its row
   int suggestions_left_ = 100;  // each compares all names; the limit keeps scenes full of unknown names fast
 };

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "scene/recorded.hpp"
 #include "scene/validation_rows.hpp"
@@ -68,6 +69,25 @@ void Validation::check_law(const Law& law, const Where& where) {
   }
 }
 
+std::pair<Validation::Kept::const_iterator, Validation::Kept::const_iterator> Validation::kept_distances(
+    const std::string& a, const std::string& b) {
+  if (!kept_) {
+    kept_.emplace();
+    for (const Constraint& c : scene_.constraints()) {
+      if (const auto* d = c.as<Distance>()) kept_->emplace(pair_key(d->p, d->q), &c);
+    }
+  }
+  return std::as_const(*kept_).equal_range(pair_key(a, b));
+}
+
+const DrivenDistance* Validation::driven_distance(const std::string& a, const std::string& b) const {
+  for (const Driver& driver : scene_.drivers()) {
+    const auto* d = std::get_if<DrivenDistance>(&driver.kind);
+    if (d != nullptr && pair_key(d->a, d->b) == pair_key(a, b)) return d;
+  }
+  return nullptr;
+}
+
 void Validation::claim(const std::string& what, const Driver& driver, const Where& where) {
   const auto [found, is_new] = claimed_.emplace(what, driver.name);
   const bool told = !found_.empty() && found_.back().where == where.text();
@@ -99,12 +119,10 @@ void Validation::check_arm(const PointAngle& d, const Involved& a, const Involve
   const bool placed = a.usable && b.usable && recorded::is_finite(arm);
   if (dimension() == 2) {
     if (!d.axis.empty()) report(where / "axis", "in the plane every axis is the normal; leave \"axis\" out");
-    const auto gives_radius = [&](const Constraint& c) {
-      const auto* distance = c.as<Distance>();
-      return distance != nullptr && distance->value && pair_key(distance->p, distance->q) == pair_key(d.a, d.b);
-    };
-    const auto& constraints = scene_.constraints();
-    if (placed && recorded::norm(arm) == 0 && std::none_of(constraints.begin(), constraints.end(), gives_radius)) {
+    const auto gives_radius = [](const auto& kept) { return kept.second->template as<Distance>()->value.has_value(); };
+    const auto [kept, end] = kept_distances(d.a, d.b);
+    if (placed && recorded::norm(arm) == 0 && std::none_of(kept, end, gives_radius) &&
+        driven_distance(d.a, d.b) == nullptr) {
       report(where / "angle", in_quotes(d.a) + " and " + in_quotes(d.b) +
                                   " are at the same place, so the radius is 0; give a distance or different positions");
     }
@@ -128,10 +146,10 @@ void Validation::check_arm(const PointAngle& d, const Involved& a, const Involve
   } else if (placed) {
     // The distance is the arm's length; its component along the axis is that of the posture as written.
     const Number along = abs(recorded::dot(axis.at, arm)) / recorded::norm(axis.at);
-    for (const Constraint& c : scene_.constraints()) {
+    for (auto [kept, end] = kept_distances(d.a, d.b); kept != end; ++kept) {
+      const Constraint& c = *kept->second;
       const auto* distance = c.as<Distance>();
-      if (distance == nullptr || !distance->value || pair_key(distance->p, distance->q) != pair_key(d.a, d.b)) continue;
-      if (*distance->value > along) continue;
+      if (!distance->value || *distance->value > along) continue;
       report(where / "angle", "the distance " + in_quotes(c.name) + " of " + shortest(*distance->value) + " m" +
                                   " is too short: along the axis " + in_quotes(d.b) + " is " + shortest(along.value()) +
                                   " m from " + in_quotes(d.a) + "; move it or choose a longer distance");
@@ -153,6 +171,10 @@ void Validation::rule(const RelativeAngle& d, const Driver& driver, const Where&
 
 void Validation::rule(const DrivenDistance& d, const Driver& driver, const Where& where) {
   claim("distance " + pair_key(d.a, d.b), driver, where / "distance");
+  if (const auto [kept, end] = kept_distances(d.a, d.b); kept != end) {
+    report(where / "distance",
+           "constraint " + in_quotes(kept->second->name) + " keeps this distance constant; remove one of them");
+  }
   if (calls_program(d.law) || driver.relative) return;
   const double start = d.law(scene_.time().start).value;
   if (Number(start) <= 0) {  // NaN, outside a table, is reported above

@@ -225,7 +225,11 @@ void Validation::check_output(const std::string& text, const Where& where) {
 int Validation::auxiliary(const Symbol& symbol, const std::string& name) const {
   if (symbol.kind == NameKind::constraint) return has_auxiliary(scene_.constraints()[symbol.index], name) ? 1 : 0;
   if (symbol.kind == NameKind::driver) {
-    const auto* angle = std::get_if<RelativeAngle>(&scene_.drivers()[symbol.index].kind);
+    const Driver& driver = scene_.drivers()[symbol.index];
+    if (const auto* arm = std::get_if<PointAngle>(&driver.kind)) {
+      return name == "rho" && dimension() == 3 && driven_distance(arm->a, arm->b) != nullptr ? 1 : 0;
+    }
+    const auto* angle = std::get_if<RelativeAngle>(&driver.kind);
     if (angle == nullptr) return 0;
     const Symbol* axis = symbols_.find(angle->axis);
     if (name == "across") return dimension() == 3 && axis != nullptr && !axis->fixed ? 3 : 0;

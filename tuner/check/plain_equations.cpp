@@ -327,6 +327,11 @@ void PlainEquations::add_driver(const Scene& scene, const Driver& driver) {
       written = true;
       if (d->value) length = *d->value;
     }
+    // A driver of the distance has an equation of its own.
+    for (const Driver& other : scene.drivers()) {
+      const auto* d = std::get_if<DrivenDistance>(&other.kind);
+      written = written || (d != nullptr && key(d->a, d->b) == key(a->a, a->b));
+    }
     Equation radius(Kind::distance, q.d);
     radius.value = length;
     if (!written) add(std::move(radius), 1);
