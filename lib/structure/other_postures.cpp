@@ -295,9 +295,8 @@ class Look {
         j(i, block.columns() + static_cast<Eigen::Index>(f)) = sum;
       }
     }
-    for (Eigen::Index i = 0; i < j.rows(); ++i) {  // to unit length: |Phi| is then a distance
-      if (const double n = j.row(i).norm(); n > 0) j.row(i) /= n;
-    }
+    // To unit length: |Phi| is then a distance. Rows that nearly vanish stay small, because they are only rounding.
+    for (Eigen::Index i = 0; i < j.rows(); ++i) j.row(i) /= std::max(j.row(i).norm(), kLeastScale);
     return j;
   }
 
