@@ -204,7 +204,7 @@ void set_driven_guess(System& s) {
   std::vector<double> posture = written;  // the posture as written, with the values of the laws
   for (DriverInput& in : s.inputs) {
     std::copy_n(s.guess.begin() + in.first, in.count, posture.begin() + in.first);
-    in.written = own_values(s, in, written);
+    in.written = written_values(s, in, written);
     if (!why_undefined(s, in, posture).empty()) continue;
     const std::optional<Mismatch> off = mismatch(s, in, posture, kDisagree);
     if (!off || !std::isfinite(off->wanted)) continue;

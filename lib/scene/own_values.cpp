@@ -146,6 +146,18 @@ std::vector<double> own_values(const System& s, const DriverInput& in, std::span
   return out;
 }
 
+std::vector<double> written_values(const System& s, const DriverInput& in, std::span<const double> q) {
+  std::vector<double> out = own_values(s, in, q);
+  Number size = 0;
+  if (in.kind == Kind::direction && !why_undefined(s, in, q).empty()) out[0] = kNan;
+  if (in.must_not_vanish && !(scalar(s, in, q, size) > kNoLength * size)) out[0] = kNan;
+  if (turns(s, in) && s.dimension == 3) {
+    const Numbers a = own_axes(s, in, q).column[0];
+    if (!(hypot(a[0], a[1], 0) > kNoLever)) out[3] = out[5] = kNan;
+  }
+  return out;
+}
+
 std::vector<double> wanted_values(const System& s, const DriverInput& in, std::span<const double> q) {
   const double* const x = q.data() + in.first;
   if (in.kind == Kind::scalar) return {x[0] * s.unit(in.dimension)};

@@ -17,6 +17,11 @@ namespace assur {
 // The values of a driver in a posture, one for each law; SI units, angles in (-pi, pi].
 [[nodiscard]] std::vector<double> own_values(const System& system, const DriverInput& input, std::span<const double> q);
 
+// The same, but NaN for values that the posture does not determine: the angle of a direction without length or along
+// the axis, a distance of 0, and psi and phi of a pose at theta = +-pi / 2.
+[[nodiscard]] std::vector<double> written_values(const System& system, const DriverInput& input,
+                                                 std::span<const double> q);
+
 // The values that the inputs in q prescribe, in the same form.
 [[nodiscard]] std::vector<double> wanted_values(const System& system, const DriverInput& input,
                                                 std::span<const double> q);

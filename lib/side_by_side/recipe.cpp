@@ -21,7 +21,12 @@ void each_number(OfSystem& s, const Use& use) {
   for (std::size_t c = 0; c < s.guess.size(); ++c) {
     if (s.coordinates[c].role == Role::unknown) use(s.guess[c], 1.0);
   }
-  for (auto& in : s.inputs) use(in.zero, s.unit(in.dimension));
+  for (auto& in : s.inputs) {
+    use(in.zero, s.unit(in.dimension));
+    for (std::size_t k = 0; k < in.written.size(); ++k) {
+      use(in.written[k], is_angle(s, in, static_cast<int>(k)) ? 1.0 : s.unit(in.dimension));
+    }
+  }
   for (auto& bound : s.bounds) use(bound.value, s.unit(s.measures[idx(bound.measure)].dimension));
   for (auto& measure : s.measures) {
     use(measure.constant, s.unit(measure.dimension));
@@ -65,6 +70,7 @@ std::vector<Sized> all_numbers(const System& s) {
 
 // Numbers that are only rounding are not on a tape.
 bool same_but_for_rounding(const Sized& a, const Sized& b) {
+  if (std::isnan(a.number) || std::isnan(b.number)) return std::isnan(a.number) && std::isnan(b.number);
   return std::abs(a.number - b.number) <= 32 * kEps * std::max({a.unit, std::abs(a.number), std::abs(b.number)});
 }
 

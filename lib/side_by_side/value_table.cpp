@@ -18,6 +18,7 @@
 #include "structure/directions.hpp"
 #include "structure/frame_axes.hpp"
 #include "structure/same_structure.hpp"
+#include "structure/way.hpp"
 
 namespace assur {
 namespace {
@@ -27,6 +28,7 @@ constexpr std::size_t kMostVerified = 16;  // members at which a recorded comput
 constexpr std::size_t kEnoughVerified = 3;
 
 constexpr double kAsGuessed = 1e-12;  // internal units
+constexpr double kAsDrawn = 1e-9;     // relative residual of a posture as written that is closed but for rounding
 
 bool same_bits(double a, double b) { return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b); }
 
@@ -84,21 +86,27 @@ class ValueTable::Binder : public MemberBinder {
       variants[l] = nullptr;
       if (!replay_.holds(l) || !table_.has_constants(members[l])) continue;
       lanes_[l].set(replay_, l, *this);
-      if (static_parts_hold(lanes_[l]) || assemble(l)) variants[l] = &lanes_[l].variant;
+      if (starts_as_written(lanes_[l]) || assemble(l)) variants[l] = &lanes_[l].variant;
     }
   }
 
   bool assemble(std::size_t i) override {
     if (!assembly_) return false;
-    const Blocks& blocks = table_.assembly_->blocks;
+    const std::vector<WalkedPart>& parts = table_.assembly_->parts;
     const System& s = assembly_->system;
     assembly_->target.set(replay_, i, table_.recipe_->wanted().size());
-    std::vector<double> q = s.guess;
-    if (!drive(s, table_.first_->time.start, q.data(), nullptr, nullptr).ok()) return false;
-    for (Index b = 0; b < blocks.size(); ++b) {
-      const BlockAssembly a = assur::assemble(s, blocks.equations_of(b), blocks.unknowns_of(b), q, assembly_->column);
-      if (!a.converged || a.singular) return false;
+    const double time = table_.first_->time.start;
+    std::vector<double> at_laws = s.guess;
+    if (!drive(s, time, at_laws.data(), nullptr, nullptr).ok()) return false;
+    std::vector<double> q = at_laws;
+    const Way way = way_to_laws(s, at_laws, time);
+    const bool moves = is_moving(s, way);
+    if (moves) drive_by_values(s, way.from, q);
+    if (!close(s, parts, q) || (moves && walk(s, parts, way, q).end != Walked::End::arrived)) return false;
+    for (const WalkedPart& p : parts) {
+      for (const Index u : p.unknowns) at_laws[idx(u)] = q[idx(u)];
     }
+    q = std::move(at_laws);
     // prepare() may find another posture if drivers have not the values of their laws.
     const auto is_wrong = [&](const DriverInput& in) { return mismatch(s, in, q).has_value(); };
     if (!undefined_driver(s, q).empty() || std::any_of(s.inputs.begin(), s.inputs.end(), is_wrong)) return false;
@@ -170,12 +178,10 @@ class ValueTable::Binder : public MemberBinder {
 
   // The equations before presolve, with the numbers of one member.
   struct OneMember {
-    explicit OneMember(const Assembly& of)
-        : system(of.system), target(of.recipe, system), column(system.coordinates.size(), -1) {}
+    explicit OneMember(const Assembly& of) : system(of.system), target(of.recipe, system) {}
 
     System system;
     Recipe::Target target;
-    std::vector<Index> column;  // scratch of assemble()
   };
 
   static std::vector<Tape::Node> wanted_of(const ValueTable& table) {
@@ -186,14 +192,22 @@ class ValueTable::Binder : public MemberBinder {
     return wanted;
   }
 
-  [[nodiscard]] bool static_parts_hold(Lane& lane) const {
-    if (static_equations_.empty()) return true;
+  // True if the posture as written is closed and the laws begin there. Equations at rest must hold to rounding, because
+  // they are not solved again.
+  [[nodiscard]] bool starts_as_written(Lane& lane) const {
     Variant& v = lane.variant;
-    if (!drive(*v.system, v.time, v.posture.data(), nullptr, nullptr).ok()) return false;
-    return std::all_of(static_equations_.begin(), static_equations_.end(), [&](Index e) {
-      const double scale = residual_scale(*v.system, e, v.posture);
-      return std::abs(residual<double>(*v.system, e, v.posture)) <= kSatisfied * scale;
-    });
+    const System& s = *v.system;
+    if (!drive(s, v.time, v.posture.data(), nullptr, nullptr).ok()) return false;
+    if (is_moving(s, way_to_laws(s, v.posture, v.time))) return false;
+    const auto holds = [&](Index e, double within) {
+      return std::abs(residual<double>(s, e, v.posture)) <= within * residual_scale(s, e, v.posture);
+    };
+    for (const Group& g : table_.structure_->groups) {
+      if (!std::all_of(g.equations.begin(), g.equations.end(), [&](Index e) { return holds(e, kAsDrawn); }))
+        return false;
+    }
+    return std::all_of(static_equations_.begin(), static_equations_.end(),
+                       [&](Index e) { return holds(e, kSatisfied); });
   }
 
   // Frames of which all coordinates are computed.
@@ -365,11 +379,16 @@ void ValueTable::record_assembly(const Scene& scene) {
     s.mentioned(e, mentioned);
     if (std::any_of(mentioned.begin(), mentioned.end(), is_unknown)) equations.push_back(e);
   }
-  Blocks blocks = decompose(s, equations, unknowns);
+  const Blocks blocks = decompose(s, equations, unknowns);
   std::string why_not;
   Recipe recipe(*tape_, s, why_not);
   if (!blocks.square() || !why_not.empty() || s.coordinates.size() != structure_->system->coordinates.size()) return;
-  assembly_.emplace(Assembly{std::move(s), std::move(blocks), std::move(recipe)});
+  std::vector<WalkedPart> parts;
+  for (Index b = 0; b < blocks.size(); ++b) {
+    const auto own = blocks.equations_of(b), solved = blocks.unknowns_of(b);
+    parts.push_back({{own.begin(), own.end()}, {solved.begin(), solved.end()}});
+  }
+  assembly_.emplace(Assembly{std::move(s), std::move(parts), std::move(recipe)});
 }
 
 // Compares the recorded computation with the real one at other points. A number that was computed in plain double was

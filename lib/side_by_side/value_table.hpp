@@ -12,7 +12,7 @@
 #include "scene/replay.hpp"
 #include "side_by_side/bound_members.hpp"
 #include "side_by_side/recipe.hpp"
-#include "structure/blocks.hpp"
+#include "structure/walk.hpp"
 
 namespace assur {
 
@@ -63,7 +63,7 @@ class ValueTable final : public BoundMembers {
   // Its equations before presolve, which prepare() assembles block after block. Empty: they are not enough for that.
   struct Assembly {
     System system;
-    Blocks blocks;
+    std::vector<WalkedPart> parts;
     Recipe recipe;
   };
   std::optional<Assembly> assembly_;

@@ -199,20 +199,6 @@ BlockAssembly assemble(const System& s, std::span<const Index> equations, std::s
   return out;
 }
 
-bool follow(const System& s, std::span<const Index> equations, std::span<const Index> unknowns, std::vector<double>& q,
-            int& sign, std::vector<Index>& column) {
-  const DenseBlock block(s, equations, unknowns, column);
-  const Eigen::VectorXd before = gather(unknowns, q);
-  if (!polish(block, unknowns, q)) return false;
-  const Linearization j(block, q);
-  if (j.rcond() > kEps && (sign == 0 || j.sign() == sign)) {
-    sign = j.sign();
-    return true;
-  }
-  scatter(unknowns, before, q);
-  return false;
-}
-
 double fit(const System& s, std::span<const Index> equations, std::span<const Index> unknowns, std::vector<double>& q,
            std::vector<Index>& column) {
   const DenseBlock block(s, equations, unknowns, column);

@@ -32,12 +32,6 @@ struct BlockAssembly {
                                      std::span<const Index> unknowns, std::vector<double>& q,
                                      std::vector<Index>& column);
 
-// Takes one small step along a branch by undamped Newton from a posture nearby. False, with q unchanged, if it does not
-// converge within a quarter of a typical length, or if the determinant of the Jacobian changes its sign. `sign` is the
-// sign at the step before, 0 if unknown.
-[[nodiscard]] bool follow(const System& system, std::span<const Index> equations, std::span<const Index> unknowns,
-                          std::vector<double>& q, int& sign, std::vector<Index>& column);
-
 // Moves q to a least-squares solution (Levenberg-Marquardt) of any number of equations, which may depend on each other.
 // Returns the relative residual.
 double fit(const System& system, std::span<const Index> equations, std::span<const Index> unknowns,

@@ -1,7 +1,7 @@
 #include "structure/gearing.hpp"
 
 #include <algorithm>
-#include <cmath>
+#include <cstdint>
 
 #include "index.hpp"
 #include "scene/gear.hpp"
@@ -9,52 +9,38 @@
 namespace assur {
 namespace {
 
-// The largest angle for each metre; 0: the equation mentions no displacement, or is not periodic.
-double angle_per_metre(const Callback& c) {
-  const auto numbers = numbers_of(c);
-  double most = 0;
-  if (!numbers || !numbers->is_periodic) return most;
-  for (const GearNumbers::Side& side : numbers->sides) {
-    if (!side.is_angle) most = std::max(most, std::abs(side.factor));
-  }
-  return most;
+bool counts_turns(const Callback& c) {
+  if (c.teeth > 1) return true;
+  const auto numbers = numbers_of(c);  // a rack and its pinion
+  return numbers && numbers->is_periodic &&
+         std::any_of(numbers->sides.begin(), numbers->sides.end(), [](const auto& side) { return !side.is_angle; });
 }
-
-bool counts_turns(const Callback& c) { return c.teeth > 1 || angle_per_metre(c) > 0; }
 
 }  // namespace
 
-Gearing gearing(const System& s) {
-  Gearing out{false, s.teeth, 0};
-  for (const CallbackBlock& block : s.callbacks) {
-    out.count_turns = out.count_turns || counts_turns(*block.callback);
-    out.per_metre = std::max(out.per_metre, angle_per_metre(*block.callback));
-  }
-  return out;
+bool count_turns(const System& s) {
+  return std::any_of(s.callbacks.begin(), s.callbacks.end(),
+                     [](const CallbackBlock& block) { return counts_turns(*block.callback); });
 }
 
-Blocks blocks_of_gears(const System& s, const Blocks& all) {
-  const auto has_gear = [&](Index b) {
-    const auto equations = all.equations_of(b);
-    return std::any_of(equations.begin(), equations.end(), [&](Index e) {
+std::vector<WalkedPart> parts_of_gears(const System& s, const std::vector<WalkedPart>& all) {
+  std::vector<std::uint8_t> read(s.coordinates.size(), 0);
+  std::vector<Index> mentioned;
+  std::vector<WalkedPart> out;
+  for (auto part = all.rbegin(); part != all.rend(); ++part) {
+    const bool has_gear = std::any_of(part->equations.begin(), part->equations.end(), [&](Index e) {
       const Index callback = s.equations[idx(e)].callback;
       return callback >= 0 && counts_turns(*s.callbacks[idx(callback)].callback);
     });
-  };
-  std::vector<bool> wanted(idx(all.size()), false);
-  for (Index b = all.size() - 1; b >= 0; --b) {
-    if (!wanted[idx(b)] && !has_gear(b)) continue;
-    wanted[idx(b)] = true;
-    for (const Index needed : all.needs_of(b)) wanted[idx(needed)] = true;
+    const auto is_read = [&](Index u) { return read[idx(u)] != 0; };
+    if (!has_gear && std::none_of(part->unknowns.begin(), part->unknowns.end(), is_read)) continue;
+    for (const Index e : part->equations) {
+      s.mentioned(e, mentioned);
+      for (const Index c : mentioned) read[idx(c)] = 1;
+    }
+    out.push_back(*part);
   }
-  Blocks out;
-  for (Index b = 0; b < all.size(); ++b) {
-    if (!wanted[idx(b)]) continue;
-    const auto equations = all.equations_of(b), unknowns = all.unknowns_of(b);
-    out.equations.insert(out.equations.end(), equations.begin(), equations.end());
-    out.unknowns.insert(out.unknowns.end(), unknowns.begin(), unknowns.end());
-    out.start.push_back(static_cast<Index>(out.unknowns.size()));
-  }
+  std::reverse(out.begin(), out.end());
   return out;
 }
 

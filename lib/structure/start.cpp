@@ -14,10 +14,10 @@
 #include "decimal.hpp"
 #include "decompositions.hpp"
 #include "index.hpp"
+#include "scene/names.hpp"
 #include "scene/own_values.hpp"
 #include "scene/residual_scale.hpp"
 #include "scene/triple.hpp"
-#include "structure/approach.hpp"
 #include "structure/assembly.hpp"
 #include "structure/block_names.hpp"
 #include "structure/dense_block.hpp"
@@ -30,22 +30,21 @@
 #include "structure/rank.hpp"
 #include "structure/redundant_sets.hpp"
 #include "structure/violated.hpp"
+#include "structure/walk.hpp"
+#include "structure/way.hpp"
 
 namespace assur {
 namespace {
 
-// rad or internal units, from the value of a driver in the scene to that of its law
-constexpr double kFarFromWritten = 0.1;
-constexpr double kAsWritten = 1e-9;        // rad or m: the drivers have their values in the posture as written
-constexpr double kSameTooth = 1e-6;        // internal units; another tooth turns a wheel by more than 2 pi / 1000
-constexpr double kManyTurns = 8;           // of one driver, before a period of the gears is sought
+constexpr double kSamePosture = 1e-6;      // internal units; another tooth turns a wheel by more than 2 pi / 1000
+constexpr double kManyTurns = 8;           // of one driver, before its period is sought
 constexpr int kLongestPeriod = 50;         // turns
 constexpr double kNearby = 0.05;           // rad or internal units: displacement of drivers from a singular posture
 constexpr double kDependentNearby = 1e-7;  // pivots of rows of length 1
 // equations or unknowns; dense decompositions of larger matrices take seconds
 constexpr std::size_t kLargestNearby = 600;
 constexpr std::size_t kMostRedundantNamed = 12;
-constexpr std::size_t kMostFlips = 8;  // drivers that take the longer way round, one at a time
+constexpr std::size_t kMostDriversNamed = 6, kMostPointsNamed = 4;
 
 // A point that moves farther than this from its guess to the start posture is reported; internal units. Typical
 // lengths are 1 to 2, and guesses by eye are within half of a length.
@@ -61,14 +60,19 @@ class Start {
 
   // Returns the parts that are not regular.
   DoubtfulParts run() {
-    split_equations();
-    p_.blocks = decompose(s_, p_.equations, p_.unknowns);
-    leave_out_idle_parts();
+    divide();
     const std::vector<Index> singular = assemble_blocks();
     const bool refused = !out_.cannot_assemble.empty() && p_.blocks.square();
     if (!refused && !(p_.blocks.square() && singular.empty())) study_doubtful_parts(singular);
     check_frames();
     return std::move(doubtful_);
+  }
+
+  // Finds the equations to solve and their blocks, without idle parts.
+  void divide() {
+    split_equations();
+    p_.blocks = decompose(s_, p_.equations, p_.unknowns);
+    leave_out_idle_parts();
   }
 
  private:
@@ -263,66 +267,29 @@ class Start {
   std::vector<Index> column_;  // scratch of DenseBlock
 };
 
-// Direction in which an angle turns.
-enum class Way : std::uint8_t { shorter, longer };
-
-// Finds the start posture in which every driver has the value of its law. Newton's method from a distant guess may end
-// in a posture with another value that satisfies the same equations. Then the drivers are moved to their values step by
-// step.
+// Finds the start posture: closes the posture as written, with the drivers held at the values that they have there,
+// and then moves all drivers together to the values of their laws. Both are followed like a motion.
 class DrivenStart {
  public:
   DrivenStart(const System& system, Problem& problem, Structure& out)
       : s_(system), p_(problem), out_(out), column_(system.coordinates.size(), -1) {}
 
   void run() {
-    Problem asked = p_;
-    Structure described = out_;
-    const bool is_meshed = !asked.is_guess || mesh_gears(asked, described);
-    Attempt direct = attempt(asked, described, asked.q);
-    std::string wrong = is_assembled(direct.out) ? wrong_driver(direct.problem.q) : "";
-    const bool may_be_led = asked.is_guess && direct.problem.blocks.square();
-    if (may_be_led && (!wrong.empty() || (!direct.out.cannot_assemble.empty() && is_far()))) {
-      const auto take = [&](const std::vector<double>& q) {
-        Attempt led = attempt(asked, described, q);
-        if (!is_assembled(led.out) || !wrong_driver(led.problem.q).empty()) return false;
-        direct = std::move(led);
-        wrong.clear();
-        return true;
-      };
-      const Blocks blocks = direct.problem.blocks;
-      const std::vector<double> found = direct.problem.q;
-      const bool has_values = !wrong.empty();
-      const bool on_branch = lead_from_guess(blocks, asked.q, Branch::same, take) ||
-                             (has_values && lead_from_posture(blocks, found, Branch::same, take));
-      if (!on_branch && has_values &&
-          (lead_from_guess(blocks, asked.q, Branch::any, take) ||
-           lead_from_posture(blocks, found, Branch::any, take))) {
-        direct.out.notes.push_back({"/",
-                                    "no posture on the branch of the guess has the driver values that the laws give; "
-                                    "the start posture is on another branch"});
-      }
-    }
-    if (asked.is_guess && !direct.out.cannot_assemble.empty()) {
-      if (std::optional<Attempt> together = attempt_together(asked, described)) direct = std::move(*together);
-    }
-    p_ = std::move(direct.problem);
-    out_ = std::move(direct.out);
+    const bool is_guess = p_.is_guess;
+    Attempt found = is_guess ? from_guess() : attempt(p_, out_, p_.q);
+    p_ = std::move(found.problem);
+    out_ = std::move(found.out);
     if (out_.cannot_assemble.empty()) {
-      out_.cannot_assemble = std::move(wrong);
+      if (is_assembled(out_)) out_.cannot_assemble = wrong_driver(p_.q);
       check_directions();
     }
-    if (is_assembled(out_) ? !(is_meshed && is_same_tooth(asked.q)) : is_out_of_reach_) {
-      out_.cannot_assemble =
-          "the gears cannot be turned from the posture as written (coordinates 0) to the start posture, so it is "
-          "unknown which teeth mesh there; describe a posture nearer to the start posture";
-    }
-    if (asked.is_guess && is_assembled(out_)) {
+    if (is_guess && is_assembled(out_)) {
       note_farthest_point();
       note_turned_vector();
     }
-    if (asked.is_guess && !out_.undetermined.empty() && is_determined_nearby(direct.doubtful)) refuse_dead_centre();
+    if (is_guess && !out_.undetermined.empty() && is_determined_nearby(found.doubtful)) refuse_dead_centre();
     out_.mobility_at_start = out_.mobility;
-    if (asked.is_guess) look_at_other_postures(s_, direct.doubtful, p_.q, p_.time, out_);
+    if (is_guess) look_at_other_postures(s_, found.doubtful, p_.q, p_.time, out_);
   }
 
  private:
@@ -339,17 +306,319 @@ class DrivenStart {
     return a;
   }
 
-  // Groups are assembled one after the other, so that a rough guess may take the first ones to a posture in which the
-  // others do not fit. The least-squares posture of all equations does not: tries again from there.
-  std::optional<Attempt> attempt_together(const Problem& asked, const Structure& described) {
-    if (asked.unknowns.empty() || asked.unknowns.size() > kLargestNearby) return std::nullopt;
+  // At other values of the drivers than those of the laws.
+  Attempt attempt_beside(const std::vector<double>& q) const {
+    Problem beside = p_;
+    beside.is_guess = false;
+    return attempt(beside, out_, q);
+  }
+
+  // ---- from the posture as written to the start
+
+  Attempt from_guess() {
+    const std::vector<double> at_laws = p_.q;
+    Way way = way_to_laws(s_, at_laws, p_.time);
+    const bool moves = is_moving(s_, way);
+    note_drivers(way);
+    std::vector<double> q = at_laws;
+    if (moves) drive_by_values(s_, way.from, q);
+    if (!moves && is_closed(q)) return attempt(p_, out_, q);
+    const std::vector<double> written = q;
+    std::vector<WalkedPart> parts = walked_parts(q);
+    if (!close(s_, parts, q)) {
+      const std::optional<Attempt> closed = search(written);
+      if (!closed) return searched_at(at_laws, moves);
+      q = closed->problem.q;
+      note_search(written, q, moves ? "the drivers held" : "the drivers at their laws", out_);
+    }
+    if (!moves) {
+      Attempt closed = attempt(p_, out_, q);
+      return is_assembled(closed.out) || !closed.out.undetermined.empty() ? std::move(closed)
+                                                                          : searched_at(at_laws, true);
+    }
+    // The drivers can only be moved from a posture that determines all unknowns.
+    const bool is_redundant = !is_regular(parts);
+    if (is_redundant && !choose(q, parts)) return searched_at(at_laws, true);
+    const std::string refusal = move(way, parts, is_redundant, q);
+    if (!refusal.empty()) return refused(at_laws, refusal);
+    Attempt arrived = attempt(p_, out_, with_unknowns_of(q));
+    if (!is_assembled(arrived.out) || is_same(arrived.problem.q, q)) return arrived;
+    return refused(at_laws, "the start posture is singular, so that the way to it does not determine it");
+  }
+
+  [[nodiscard]] bool is_closed(const std::vector<double>& q) {
     std::vector<Index> all(s_.equations.size());
     std::iota(all.begin(), all.end(), 0);
-    std::vector<double> q = asked.q;
-    if (fit(s_, all, asked.unknowns, q, column_) > kConsistent) return std::nullopt;
-    Attempt together = attempt(asked, described, q);
-    if (!is_assembled(together.out) || !wrong_driver(together.problem.q).empty()) return std::nullopt;
-    return together;
+    return DenseBlock(s_, all, p_.unknowns, column_).relative_residual(q) <= kSatisfied;
+  }
+
+  // Any posture with the values of the laws, without a way to it.
+  Attempt searched_at(const std::vector<double>& at_laws, bool notes) {
+    std::optional<Attempt> found = search(at_laws);
+    if (!found) return attempt(p_, out_, at_laws);
+    if (notes) note_search(at_laws, found->problem.q, "the drivers at their laws", found->out);
+    return std::move(*found);
+  }
+
+  void note_drivers(const Way& way) {
+    for (std::size_t i = 0; i < s_.inputs.size(); ++i) {
+      const DriverInput& in = s_.inputs[i];
+      const auto has_none = [](double x) { return std::isnan(x); };
+      if (std::any_of(in.written.begin(), in.written.end(), has_none)) {
+        out_.notes.push_back({"/drivers/" + name(in),
+                              "the driver has no value in the posture as written, so it has the value of its law at "
+                              "once"});
+      }
+      if (!count_turns(s_) || s_.scene->drivers()[idx(in.driver)].sets_difference) continue;
+      for (std::size_t k = 0; k < in.laws.size(); ++k) {
+        const double counted = in.laws[k](p_.time).value - way.from[i][k];
+        if (!is_angle(s_, in, k) || !(std::abs(counted) > std::numbers::pi)) continue;
+        out_.notes.push_back({"/drivers/" + name(in),
+                              "the driver does not count whole turns, so it turns the gears by " +
+                                  precise(way.change[i][k]) + " rad from the posture as written to the start, not by " +
+                                  precise(counted) + " rad; drive the coordinate of a joint to count them"});
+      }
+    }
+  }
+
+  // Blocks, and connected parts with more equations than unknowns. Parts with fewer equations stay as they are.
+  std::vector<WalkedPart> walked_parts(const std::vector<double>& q) const {
+    Problem p = p_;
+    Structure ignored = out_;
+    p.q = q;
+    Start(s_, p, ignored).divide();
+    std::vector<Index> parent(s_.coordinates.size()), mentioned;
+    std::iota(parent.begin(), parent.end(), 0);
+    const auto root = [&](Index c) {
+      while (parent[idx(c)] != c) c = parent[idx(c)] = parent[idx(parent[idx(c)])];
+      return c;
+    };
+    std::vector<Index> first(p.equations.size());
+    for (std::size_t i = 0; i < p.equations.size(); ++i) {
+      s_.mentioned(p.equations[i], mentioned);
+      std::erase_if(mentioned, [&](Index c) { return s_.coordinates[idx(c)].role != Role::unknown; });
+      first[i] = mentioned.front();
+      for (const Index c : mentioned) parent[idx(root(c))] = root(mentioned.front());
+    }
+    std::vector<std::uint8_t> is_free(parent.size(), 0), is_surplus(parent.size(), 0);
+    for (const Index u : p.blocks.surplus_unknowns) is_free[idx(root(u))] = 1;
+    for (const Index u : p.blocks.over_unknowns) is_surplus[idx(root(u))] = 1;
+    std::vector<WalkedPart> parts;
+    for (Index b = 0; b < p.blocks.size(); ++b) {
+      const auto equations = p.blocks.equations_of(b), unknowns = p.blocks.unknowns_of(b);
+      const Index r = root(unknowns.front());
+      if (is_free[idx(r)] != 0 || is_surplus[idx(r)] != 0) continue;
+      parts.push_back({{equations.begin(), equations.end()}, {unknowns.begin(), unknowns.end()}});
+    }
+    std::unordered_map<Index, std::size_t> place;
+    const auto part_of = [&](Index c) -> WalkedPart* {
+      const Index r = root(c);
+      if (is_free[idx(r)] != 0 || is_surplus[idx(r)] == 0) return nullptr;
+      const auto [at, is_new] = place.emplace(r, parts.size());
+      if (is_new) parts.emplace_back();
+      return &parts[at->second];
+    };
+    for (const Index u : p.unknowns) {
+      if (WalkedPart* part = part_of(u)) part->unknowns.push_back(u);
+    }
+    for (std::size_t i = 0; i < p.equations.size(); ++i) {
+      if (WalkedPart* part = part_of(first[i])) part->equations.push_back(p.equations[i]);
+    }
+    return parts;
+  }
+
+  // Finds any posture with these values of the drivers: block after block by damped steps, else all equations together
+  // by least squares, because a rough guess may take the first groups to a posture in which the others do not fit.
+  std::optional<Attempt> search(const std::vector<double>& guess) {
+    const auto take = [&](const std::vector<double>& q) -> std::optional<Attempt> {
+      Attempt a = guess == p_.q ? attempt(p_, out_, q) : attempt_beside(q);
+      if (!is_assembled(a.out) || !wrong_driver(a.problem.q).empty()) return std::nullopt;
+      return a;
+    };
+    if (std::optional<Attempt> found = take(guess)) return found;
+    if (p_.unknowns.empty() || p_.unknowns.size() > kLargestNearby) return std::nullopt;
+    std::vector<Index> all(s_.equations.size());
+    std::iota(all.begin(), all.end(), 0);
+    std::vector<double> q = guess;
+    if (fit(s_, all, p_.unknowns, q, column_) > kConsistent) return std::nullopt;
+    return take(q);
+  }
+
+  void note_search(const std::vector<double>& from, const std::vector<double>& to, const std::string& values,
+                   Structure& out) const {
+    Index most = -1;
+    double farthest = 0;
+    for (const Index u : p_.unknowns) {
+      const double moved = std::abs(to[idx(u)] - from[idx(u)]);
+      if (moved > farthest) farthest = moved, most = u;
+    }
+    if (most < 0) return;
+    const Coordinate& c = s_.coordinates[idx(most)];
+    out.notes.push_back({"/",
+                         "the posture as written cannot be closed in small steps, because it or a posture on the "
+                         "way is singular; a search with " +
+                             values + " closed it: " + s_.items[idx(c.item)].name + " moved most, by " +
+                             shortened(farthest * s_.unit(c.dimension)) + (c.dimension == 1 ? " m" : "")});
+  }
+
+  // True if every unknown is in a part that has as many equations as unknowns.
+  [[nodiscard]] bool is_regular(const std::vector<WalkedPart>& parts) const {
+    std::size_t unknowns = 0;
+    for (const WalkedPart& p : parts) unknowns += p.unknowns.size() == p.equations.size() ? p.unknowns.size() : 0;
+    return unknowns == p_.unknowns.size();
+  }
+
+  // Moves q along the way. Returns the reason why that is impossible; "": q is there.
+  std::string move(Way way, std::vector<WalkedPart> parts, bool is_redundant, std::vector<double>& q) {
+    double share = 0, chosen_at = -1;
+    skip_periods(parts, q, way);
+    for (;;) {
+      way.passes = !is_redundant || chosen_at == share;
+      const Walked w = walk(s_, parts, way, q);
+      const double left = 1 - share;
+      for (const Walked::ChangePoint& c : w.passed) {
+        out_.notes.push_back({"/", "on the way from the posture as written to the start, group " +
+                                       group(parts[c.part]) + " passes a change point at " +
+                                       percent(share + left * c.share) +
+                                       " of the way; the start posture is on the smooth continuation"});
+      }
+      share += left * w.share;
+      if (w.end == Walked::End::arrived) return "";
+      for (std::size_t i = 0; i < way.from.size(); ++i) {
+        for (std::size_t k = 0; k < way.from[i].size(); ++k) {
+          way.from[i][k] += w.share * way.change[i][k];
+          way.change[i][k] *= 1 - w.share;
+        }
+      }
+      if (!(is_redundant && chosen_at != share && w.end == Walked::End::singular && choose(q, parts))) {
+        return reason(w, parts, way, share);
+      }
+      chosen_at = share;
+    }
+  }
+
+  // Chooses independent equations at a posture.
+  bool choose(std::vector<double>& q, std::vector<WalkedPart>& parts) const {
+    const Attempt a = attempt_beside(q);
+    const Blocks& blocks = a.problem.blocks;
+    if (!is_assembled(a.out) || !blocks.square() || !is_same(a.problem.q, q)) return false;
+    parts.clear();
+    for (Index b = 0; b < blocks.size(); ++b) {
+      const auto equations = blocks.equations_of(b), unknowns = blocks.unknowns_of(b);
+      parts.push_back({{equations.begin(), equations.end()}, {unknowns.begin(), unknowns.end()}});
+    }
+    return true;
+  }
+
+  // Subtracts whole turns of a driver after which the posture is the same: the driver alone, or gears.
+  void skip_periods(const std::vector<WalkedPart>& parts, const std::vector<double>& start, Way& way) const {
+    const bool has_gears = count_turns(s_);
+    std::size_t moving = 0;
+    for (const std::vector<double>& all : way.change) {
+      moving += static_cast<std::size_t>(std::count_if(all.begin(), all.end(), [](double c) { return c != 0; }));
+    }
+    if (moving > 1 && !has_gears) return;
+    const std::vector<WalkedPart> turned = has_gears ? parts_of_gears(s_, parts) : parts;
+    for (std::size_t i = 0; i < way.change.size(); ++i) {
+      for (std::size_t k = 0; k < way.change[i].size(); ++k) {
+        double& change = way.change[i][k];
+        const double turns = is_angle(s_, s_.inputs[i], k) ? std::floor(std::abs(change) / kTurn) : 0;
+        if (turns < kManyTurns) continue;
+        Way turn = way;
+        for (std::vector<double>& all : turn.change) std::fill(all.begin(), all.end(), 0.0);
+        turn.change[i][k] = std::copysign(kTurn, change);
+        std::vector<double> q = start;
+        const auto is_back = [&](Index u) { return std::abs(q[idx(u)] - start[idx(u)]) <= kSamePosture; };
+        const auto all_back = [&](const WalkedPart& p) {
+          return std::all_of(p.unknowns.begin(), p.unknowns.end(), is_back);
+        };
+        for (int period = 1; period <= kLongestPeriod && period <= turns; ++period) {
+          if (walk(s_, turned, turn, q).end != Walked::End::arrived) break;
+          if (!std::all_of(turned.begin(), turned.end(), all_back)) continue;
+          change = std::fmod(change, period * kTurn);
+          break;
+        }
+      }
+    }
+  }
+
+  // The unknowns of q and the drivers of the laws.
+  [[nodiscard]] std::vector<double> with_unknowns_of(const std::vector<double>& q) const {
+    std::vector<double> at = p_.q;
+    for (const Index u : p_.unknowns) at[idx(u)] = q[idx(u)];
+    return at;
+  }
+
+  [[nodiscard]] bool is_same(const std::vector<double>& a, const std::vector<double>& b) const {
+    return std::all_of(p_.unknowns.begin(), p_.unknowns.end(),
+                       [&](Index u) { return std::abs(a[idx(u)] - b[idx(u)]) <= kSamePosture; });
+  }
+
+  // ---- refusals
+
+  [[nodiscard]] std::string group(const WalkedPart& part) const {
+    Blocks one;
+    one.equations = part.equations;
+    one.unknowns = part.unknowns;
+    one.start.push_back(static_cast<Index>(part.unknowns.size()));
+    return group_or_block_name(s_, one, 0);
+  }
+
+  static std::string percent(double share) { return shortened(100 * share) + " %"; }
+
+  // "m = 0.3 rad, hand.x = 1 m"
+  [[nodiscard]] std::string values_in_words(const DriverValues& values) const {
+    std::string text;
+    for (std::size_t i = 0; i < values.size() && i < kMostDriversNamed; ++i) {
+      const DriverInput& in = s_.inputs[i];
+      for (std::size_t k = 0; k < values[i].size(); ++k) {
+        const std::string part =
+            in.kind == DriverInput::Kind::frame ? std::string(".") + pose_part(k, s_.dimension) : "";
+        const std::string unit = is_angle(s_, in, k) ? " rad" : in.dimension == 1 ? " m" : "";
+        text += (text.empty() ? "" : ", ") + name(in) + part + " = " + precise(values[i][k]) + unit;
+      }
+    }
+    return values.size() > kMostDriversNamed ? text + ", ..." : text;
+  }
+
+  [[nodiscard]] std::string reason(const Walked& w, const std::vector<WalkedPart>& parts, const Way& way,
+                                   double share) const {
+    const std::string where =
+        "at " + percent(share) + " of the way from the posture as written (" + values_in_words(way.from) + ")";
+    switch (w.end) {
+      case Walked::End::vanished:
+        return "the start posture cannot be reached: " + where + ", driver " + s_.drivers[idx(w.driver)] +
+               " has no value, because its direction or distance vanishes";
+      case Walked::End::too_long:
+        return "the start posture cannot be reached: the way from the posture as written takes more than " +
+               std::to_string(kMostWalkedSteps) + " steps";
+      default:
+        return "the start posture cannot be reached: " + where + ", group " + group(parts[w.part]) +
+               " meets a fold or another singular posture";
+    }
+  }
+
+  // If there is another posture with the values of the laws, tells how to start there.
+  Attempt refused(const std::vector<double>& at_laws, const std::string& why) {
+    std::optional<Attempt> other = search(at_laws);
+    Attempt a = other ? std::move(*other) : attempt(p_, out_, at_laws);
+    a.out.undetermined.clear();
+    const std::string unassembled = std::exchange(a.out.cannot_assemble, why);
+    if (!other) {
+      a.out.cannot_assemble +=
+          "; no posture with the values of the laws was found" + (unassembled.empty() ? "" : ": " + unassembled);
+      return a;
+    }
+    a.out.cannot_assemble += "; to start in another posture that has the laws' values, write its points";
+    std::size_t named = 0;
+    for (const Point& point : s_.scene->points()) {
+      const Item& item = s_.item(point.name);
+      if (!is_unknown(item) || named == kMostPointsNamed) continue;
+      Triple there = at(item, a.problem.q);
+      for (double& x : there) x *= s_.unit(1);
+      a.out.cannot_assemble += (named++ == 0 ? ": " : ", ") + point.name + " at " + in_words(there);
+    }
+    return a;
   }
 
   static bool is_assembled(const Structure& out) { return out.cannot_assemble.empty() && out.undetermined.empty(); }
@@ -388,12 +657,17 @@ class DrivenStart {
     });
   }
 
-  [[nodiscard]] Triple found(const Item& item) const {
+  [[nodiscard]] Triple at(const Item& item, const std::vector<double>& q) const {
     Triple at{};
     for (int k = 0; k < item.components; ++k) {
-      at[static_cast<std::size_t>(k)] = form_value<double>(s_, item.form[k], p_.q);
+      at[static_cast<std::size_t>(k)] = form_value<double>(s_, item.form[k], q);
     }
     return at;
+  }
+
+  // "(1, 2) m"; at: in m.
+  [[nodiscard]] std::string in_words(const Triple& at) const {
+    return "(" + precise(at[0]) + ", " + precise(at[1]) + (s_.dimension == 3 ? ", " + precise(at[2]) : "") + ") m";
   }
 
   // Reports the point that is farthest from its guess.
@@ -404,21 +678,18 @@ class DrivenStart {
     for (const Point& point : s_.scene->points()) {
       const Item& item = s_.item(point.name);
       if (!is_unknown(item)) continue;
-      Triple at = found(item);
-      for (double& a : at) a *= s_.unit(1);
-      const double moved = triple::norm(triple::subtract(at, point.at));
+      Triple now = at(item, p_.q);
+      for (double& x : now) x *= s_.unit(1);
+      const double moved = triple::norm(triple::subtract(now, point.at));
       if (!(moved > farthest)) continue;
       farthest = moved;
       most = &point;
-      where = at;
+      where = now;
     }
     if (most == nullptr) return;
-    const auto written = [&](const Triple& at) {
-      return "(" + precise(at[0]) + ", " + precise(at[1]) + (s_.dimension == 3 ? ", " + precise(at[2]) : "") + ") m";
-    };
     out_.notes.push_back({"/points/" + most->name, "the start posture is far from the guess: " + most->name +
                                                        " moved most, by " + shortened(farthest) + " m, from " +
-                                                       written(most->at) + " to " + written(where)});
+                                                       in_words(most->at) + " to " + in_words(where)});
   }
 
   // Reports the vector with the largest angle to its guess, if that exceeds a right angle.
@@ -428,8 +699,8 @@ class DrivenStart {
     for (const Vector& vector : s_.scene->vectors()) {
       const Item& item = s_.item(vector.name);
       if (!is_unknown(item)) continue;
-      const Triple at = found(item);
-      const double cosine = triple::dot(at, vector.at) / (triple::norm(at) * triple::norm(vector.at));
+      const Triple now = at(item, p_.q);
+      const double cosine = triple::dot(now, vector.at) / (triple::norm(now) * triple::norm(vector.at));
       if (!(cosine < least)) continue;
       least = cosine;
       most = &vector;
@@ -479,172 +750,10 @@ class DrivenStart {
                            ", though it does at nearby postures; start with other values of the drivers";
   }
 
-  // ---- another way to the start
-
-  [[nodiscard]] DriverValues values(const std::vector<double>& q, bool own) const {
-    DriverValues out;
-    for (const DriverInput& in : s_.inputs) out.push_back(own ? own_values(s_, in, q) : wanted_values(s_, in, q));
-    return out;
-  }
-
-  [[nodiscard]] DriverValues written() const {
-    DriverValues out;
-    for (const DriverInput& in : s_.inputs) out.push_back(in.written);
-    return out;
-  }
-
-  [[nodiscard]] bool is_far() const {
-    const DriverValues from = written(), to = values(p_.q, false);
-    for (std::size_t i = 0; i < s_.inputs.size(); ++i) {
-      for (const double d : difference(s_, s_.inputs[i], from[i], to[i])) {
-        if (std::abs(d) > kFarFromWritten * std::min(1.0, s_.unit(1))) return true;
-      }
-    }
-    return false;
-  }
-
-  // The changes of the drivers from the posture as written to the start, in the form of DriverValues. Coordinates of
-  // joints count whole turns; other angles turn the shorter way.
-  DriverValues counted_change(const DriverValues& from, double time, Structure& out) const {
-    const DriverValues wanted = values(p_.q, false);
-    DriverValues change;
-    for (std::size_t i = 0; i < s_.inputs.size(); ++i) {
-      const DriverInput& in = s_.inputs[i];
-      change.push_back(difference(s_, in, wanted[i], from[i]));
-      for (std::size_t k = 0; k < change[i].size(); ++k) {
-        if (!is_angle(s_, in, k)) continue;
-        const double counted = in.laws[k](time).value - from[i][k];
-        if (s_.scene->drivers()[idx(in.driver)].sets_difference) {
-          change[i][k] = counted;
-        } else if (std::abs(counted) > std::numbers::pi) {
-          out.notes.push_back({"/drivers/" + name(in),
-                               "the driver does not count whole turns, so it turns the gears by " +
-                                   precise(change[i][k]) + " rad from the posture as written to the start, not by " +
-                                   precise(counted) + " rad; drive the coordinate of a joint to count them"});
-        }
-      }
-    }
-    return change;
-  }
-
-  // Turns the gears from the posture as written to the start with all turns counted: the equation of a gear also holds
-  // at other teeth. Other groups that cannot follow keep their guesses. False if the gears cannot be turned to the
-  // start.
-  bool mesh_gears(Problem& asked, Structure& described) {
-    if (!gearing(s_).count_turns) return true;
-    const DriverValues from = written();
-    DriverValues change = counted_change(from, asked.time, described);
-    const auto is_small = [](double by) { return std::abs(by) <= kAsWritten; };
-    if (std::all_of(change.begin(), change.end(),
-                    [&](const auto& all) { return std::all_of(all.begin(), all.end(), is_small); })) {
-      return true;
-    }
-    std::vector<double> q = asked.q;
-    drive_by_values(s_, from, q);
-    const Attempt as_written = attempt(asked, described, q);
-    const Blocks& all = as_written.problem.blocks;
-    if (!all.square()) return false;
-    const Blocks gears = blocks_of_gears(s_, all);
-    skip_periods(gears, as_written.problem.q, from, change);
-    const auto reach = [&](const Blocks& blocks, Branch branch) {
-      q = as_written.problem.q;
-      return approach(s_, blocks, from, change, branch, q, column_);
-    };
-    if (!reach(all, Branch::same) && !reach(gears, Branch::same) && !reach(gears, Branch::any)) {
-      is_out_of_reach_ = is_assembled(as_written.out);
-      return false;
-    }
-    geared_ = gears.unknowns;
-    for (const Index u : geared_) asked.q[idx(u)] = q[idx(u)];
-    return true;
-  }
-
-  // Subtracts from `change` whole turns of single drivers that leave the posture of the gears unchanged.
-  void skip_periods(const Blocks& gears, const std::vector<double>& start, const DriverValues& from,
-                    DriverValues& change) {
-    constexpr double kTurn = 2 * std::numbers::pi;
-    for (std::size_t i = 0; i < change.size(); ++i) {
-      for (std::size_t k = 0; k < change[i].size(); ++k) {
-        const double turns = is_angle(s_, s_.inputs[i], k) ? std::floor(std::abs(change[i][k]) / kTurn) : 0;
-        if (turns < kManyTurns) continue;
-        DriverValues turn = change;
-        for (std::vector<double>& all : turn) std::fill(all.begin(), all.end(), 0.0);
-        turn[i][k] = std::copysign(kTurn, change[i][k]);
-        std::vector<double> q = start;
-        const auto is_back = [&](Index u) { return std::abs(q[idx(u)] - start[idx(u)]) <= kSameTooth; };
-        for (int period = 1; period <= kLongestPeriod && period <= turns; ++period) {
-          if (!approach(s_, gears, from, turn, Branch::same, q, column_)) break;
-          if (!std::all_of(gears.unknowns.begin(), gears.unknowns.end(), is_back)) continue;
-          change[i][k] = std::fmod(change[i][k], period * kTurn);
-          break;
-        }
-      }
-    }
-  }
-
-  // True if the unknowns of the gears have the values `led`, which mesh_gears() found.
-  [[nodiscard]] bool is_same_tooth(const std::vector<double>& led) const {
-    return std::all_of(geared_.begin(), geared_.end(),
-                       [&](Index u) { return std::abs(p_.q[idx(u)] - led[idx(u)]) <= kSameTooth; });
-  }
-
-  // Stays on the branch of the guess: first assembles with the values of the drivers in the scene.
-  template <class Take>
-  bool lead_from_guess(const Blocks& blocks, std::vector<double> q, Branch branch, Take&& take) {
-    const DriverValues from = written(), to = values(q, false);
-    drive_by_values(s_, from, q);
-    for (Index b = 0; b < blocks.size(); ++b) {
-      if (!assemble(s_, blocks.equations_of(b), blocks.unknowns_of(b), q, column_).converged) return false;
-    }
-    return lead(blocks, from, to, q, branch, take);
-  }
-
-  // Starts from the posture with wrong values, which solves the equations for these values.
-  template <class Take>
-  bool lead_from_posture(const Blocks& blocks, std::vector<double> q, Branch branch, Take&& take) {
-    const DriverValues from = values(q, true), to = values(q, false);
-    for (const Positive& p : s_.positive) q[idx(p.coordinate)] = std::abs(q[idx(p.coordinate)]);
-    return lead(blocks, from, to, q, branch, take);
-  }
-
-  // Tries the shorter way round first, then the longer way for each driver that turns by more than a right angle, then
-  // for all of them.
-  template <class Take>
-  bool lead(const Blocks& blocks, const DriverValues& from, const DriverValues& to, const std::vector<double>& q,
-            Branch branch, Take&& take) {
-    const std::vector<Way> shorter(s_.inputs.size(), Way::shorter);
-    std::vector<std::vector<Way>> ways = {shorter};
-    std::vector<Way> all = shorter;
-    for (std::size_t i = 0; i < s_.inputs.size() && ways.size() <= kMostFlips; ++i) {
-      const DriverInput& in = s_.inputs[i];
-      if (in.kind != DriverInput::Kind::direction) continue;
-      if (!(std::abs(difference(s_, in, to[i], from[i])[0]) > std::numbers::pi / 2)) continue;
-      ways.push_back(shorter);
-      ways.back()[i] = all[i] = Way::longer;
-    }
-    if (ways.size() > 2) ways.push_back(all);
-    return std::any_of(ways.begin(), ways.end(), [&](const std::vector<Way>& way) {
-      DriverValues change;
-      for (std::size_t i = 0; i < way.size(); ++i) {
-        const DriverInput& in = s_.inputs[i];
-        change.push_back(difference(s_, in, to[i], from[i]));
-        for (std::size_t k = 0; k < change[i].size(); ++k) {
-          if (way[i] == Way::longer && is_angle(s_, in, k)) {
-            change[i][k] -= std::copysign(2 * std::numbers::pi, change[i][k]);
-          }
-        }
-      }
-      std::vector<double> led = q;
-      return approach(s_, blocks, from, change, branch, led, column_) && take(led);
-    });
-  }
-
   const System& s_;
   Problem& p_;
   Structure& out_;
-  bool is_out_of_reach_ = false;  // the gears mesh in the posture as written, but no way leads to the start
-  std::vector<Index> geared_;     // unknowns of the gears and of the blocks that they read
-  std::vector<Index> column_;     // scratch of DenseBlock
+  std::vector<Index> column_;  // scratch of DenseBlock
 };
 
 }  // namespace

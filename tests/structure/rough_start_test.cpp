@@ -114,9 +114,12 @@ TEST(RoughStart, NamesTheBodyAndTheAmountIfALoopCannotClose) {
   b.joint("D", Revolute{"ground", "rocker", Triple{1, 0}});
   b.drive("motor", DrivenCoordinate{"A.angle", Law::constant(0.5)}).time(0, 1, 0.1);
   const Structure s = analyze(b.build());
-  const bool coupler = s.cannot_assemble.starts_with("group C cannot be assembled: the shape of body 'coupler' (rel"),
-             rocker = s.cannot_assemble.starts_with("group C cannot be assembled: the shape of body 'rocker' (rel");
-  EXPECT_TRUE(coupler || rocker) << s.cannot_assemble;
+  const auto names = [&](const std::string& what) { return s.cannot_assemble.find(what) != std::string::npos; };
+  EXPECT_TRUE(s.cannot_assemble.starts_with("the start posture cannot be reached: at ")) << s.cannot_assemble;
+  EXPECT_TRUE(names("group C meets a fold")) << s.cannot_assemble;
+  EXPECT_TRUE(names("group C cannot be assembled: the shape of body 'coupler' (rel") ||
+              names("group C cannot be assembled: the shape of body 'rocker' (rel"))
+      << s.cannot_assemble;
   const double gap = 2 * std::sin((std::acos(0.0) + 0.5) / 2) - 0.4 - std::hypot(0.6, 1);
   EXPECT_GE(amount(s.cannot_assemble, "m"), gap / 3) << s.cannot_assemble;
   EXPECT_LE(amount(s.cannot_assemble, "m"), gap) << s.cannot_assemble;

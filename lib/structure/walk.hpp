@@ -1,0 +1,57 @@
+// Follows a posture continuously while the drivers move, or while its open equations close.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "structure/blocks.hpp"
+
+namespace assur {
+
+// The values of all drivers, [input][law].
+using DriverValues = std::vector<std::vector<double>>;
+
+// Unknowns that are solved together. More equations than unknowns depend on each other, and hold as well as they can:
+// the sum of their squares is least.
+struct WalkedPart {
+  std::vector<Index> equations, unknowns;
+};
+
+// Whatever moves while s goes from 0 to 1.
+struct Way {
+  DriverValues from, change;  // the drivers have the values from + s * change
+  std::vector<double> open;   // [equation of the system]: its residual is (1 - s) times this; empty: 0
+  bool passes = true;         // false: a change point ends the walk
+};
+
+// The end of a walk.
+struct Walked {
+  enum class End : std::uint8_t {
+    arrived,
+    singular,  // the Jacobian of `part` is singular there
+    vanished,  // the direction, the distance or the lever of `driver` vanishes there
+    too_long,  // the way has more than kMostWalkedSteps steps
+  };
+  End end = End::arrived;
+  double share = 0;      // s of the last posture
+  std::size_t part = 0;  // singular: index of the part
+  Index driver = -1;     // vanished: index into System::drivers
+  struct ChangePoint {
+    double share;
+    std::size_t part;
+  };
+  std::vector<ChangePoint> passed;  // change points, by the smooth continuation
+};
+
+inline constexpr int kMostWalkedSteps = 100000;
+
+// Moves q along the way, from a posture at s = 0. `parts` are in solving order. Each step is proven: for all s of the
+// step, each part has exactly one posture within a ball around the chord of the step, so that the posture at the end
+// is the continuation of the one at the beginning. (The chord's residuals are known, because the equations are
+// quadratic; Newton-Kantorovich, see group/newton_kantorovich.hpp. For functions of the program the bounds are
+// measured, not proven, and so is the distance of earlier parts from their chords.) q is the last posture that was
+// reached.
+[[nodiscard]] Walked walk(const System& system, const std::vector<WalkedPart>& parts, const Way& way,
+                          std::vector<double>& q);
+
+}  // namespace assur
