@@ -60,6 +60,8 @@ void Continuation::keep_what_is_read(std::vector<std::uint8_t> marked) {
   for (const std::int32_t c : structure_.watch.inputs) marked[idx(layout_.address[idx(c)])] = 1;
   marked.resize(system_.coordinates.size());  // known coordinates lie at their own index
   inputs_.keep(std::move(marked));
+  bows_.resize(layout_, inputs_.bends() ? inputs_.laws() : 0, 1);
+  for (LaneArray& v : known_) v.assign(inputs_.bends() ? layout_.size : 0, 0.0);
   levers_ = inputs_.levers();
   known_levers_ = levers_.size();
   for (const Positive& p : system_.positive) {
@@ -81,6 +83,7 @@ void Continuation::start(double time, const std::vector<double>& posture, const 
   converged_ = kConverged;
   stands_still_ = false;
   any_turn_ = true;
+  bows_.clear();
   state_.clear();
   for (std::size_t c = 0; c < layout_.address.size(); ++c) {
     if (layout_.address[c] >= 0) state_.at(0)[layout_.address[c]] = posture[c];
@@ -134,7 +137,8 @@ void Continuation::save(Snapshot& into, bool in_step) const {
   into.angles = inputs_.accepted_angles();
   into.turns.resize(turns_.size());
   for (std::size_t i = 0; i < turns_.size(); ++i) turns_[i]->save(into.turns[i]);
-  if (limit_watch_) into.limits = limit_watch_->row();
+  if (limit_watch_) limit_watch_->save(into.limits);
+  into.bows = bows_.measured();
 }
 
 bool Continuation::fits(const Snapshot& from) const {
@@ -163,6 +167,7 @@ void Continuation::restore(const Snapshot& from) {
   inputs_.accept(from.angles);
   for (std::size_t i = 0; i < turns_.size(); ++i) turns_[i]->restore(from.turns[i]);
   if (limit_watch_) limit_watch_->restore(from.limits, now_);
+  bows_.restore(from.bows);
   wants_reselection_ = false;
 }
 
@@ -207,7 +212,7 @@ Status Continuation::solve_all(double t, Attempt::Branch branch, StepErrors& err
   vanished_ = false;
   turned_ = 0;
   if (const Status s = inputs_.drive(t, q); !s.ok()) return s;
-  if (!any_turn_) turned_ = inputs_.turned(angles_together_);
+  if (!any_turn_) turned_ = bent(t);
   if (turned_ > 1) return {Code::branch_unknown, {}, turned_};
   const double seconds = branch == Attempt::Branch::inside ? t - now_ : 0;
   if (const Status s = check_levers(0, known_levers_, seconds); !s.ok()) return s;
@@ -221,10 +226,50 @@ Status Continuation::solve_all(double t, Attempt::Branch branch, StepErrors& err
   if (branch != Attempt::Branch::inside) return {};
   AngleTurns::Way way = AngleTurns::Way::known;
   for (AngleTurns* const turns : turns_) {
-    const AngleTurns::Way of_these = turns->follow(state_.at(0), t - now_);
+    const AngleTurns::Way of_these = turns->follow(state_.at(0), t - now_, any_turn_ ? 0 : bows_.times());
     if (way != AngleTurns::Way::unknown && of_these != AngleTurns::Way::known) way = of_these;
   }
   return way == AngleTurns::Way::known ? Status{} : turned_unseen(way);
+}
+
+// Length of a step to t, whose known coordinates are at hand, over the largest allowed one: by the turns of the
+// drivers, and by what their laws may do within the step.
+double Continuation::bent(double t) {
+  if (inputs_.renew_bows(now_, t)) bends_ = bows_.take(inputs_.bows());
+  const double turn = inputs_.turned(angles_together_);
+  if (turn > 1 || !bends_) return turn;
+  if (!bows_.serve(report_.counters.branch_checks)) {
+    measure_bows();
+    double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
+    (void)inputs_.drive(t, q);
+  }
+  return std::max(turn, bows_.part());
+}
+
+void Continuation::measure_bows() {
+  const double* const q[3] = {state_.accepted(0), state_.accepted(1), state_.accepted(2)};
+  const auto known = [&](std::size_t, double* probe, std::span<const double> rates) {
+    double* const here[3] = {known_[0].data(), known_[1].data(), known_[2].data()};
+    std::copy_n(q[0], layout_.first_unknown, here[0]);
+    std::fill_n(here[1], layout_.first_unknown, 0.0);
+    (void)inputs_.drive(now_, here);
+    std::fill_n(here[1], layout_.first_unknown, 0.0);
+    inputs_.lean(rates, here);
+    std::copy_n(here[1], layout_.first_unknown, probe);
+  };
+  bows_.measure(q[0], report_.counters.branch_checks, known, [&](const auto& work) { levels_.each(work); });
+  drop_factors();
+  for (AngleTurns* const turns : turns_) turns->measure(q[0], bows_.probes(), known_[0]);
+  std::fill(known_[0].begin(), known_[0].end(), 0.0);
+  if (limit_watch_) limit_watch_->measure(q, bows_.probes(), known_[0].data());
+  for (Lever& l : levers_) l.bow = bows_.sizes()[idx(l.address)];
+}
+
+// A step must be divided if a lever may vanish in it, or a limit may be passed, so that its ends do not show it.
+Status Continuation::hidden() {
+  bows_.doubt();
+  turned_ = kUnseen;
+  return {Code::branch_unknown, {}, turned_};
 }
 
 Status Continuation::turned_unseen(AngleTurns::Way way) {
@@ -232,6 +277,7 @@ Status Continuation::turned_unseen(AngleTurns::Way way) {
   turn_guessed_ = turn_guessed_ || guesses;
   if (guesses) return {};
   ++report_.counters.rejected;
+  bows_.doubt();
   turned_ = kUnseen;
   return {Code::branch_unknown, {}, turned_};
 }
@@ -315,7 +361,9 @@ Status Continuation::check_levers(std::size_t begin, std::size_t end, double sec
   if (begin == end) return {};
   const double* const from[3] = {state_.accepted(0), state_.accepted(1), state_.accepted(2)};
   const double* const to[3] = {state_.at(0), state_.at(1), state_.at(2)};
-  const Lever* const l = vanished(std::span(levers_).subspan(begin, end - begin), from, to, seconds);
+  const std::span<const Lever> levers = std::span(levers_).subspan(begin, end - begin);
+  if (!any_turn_ && seconds != 0 && may_vanish(levers, from[0], to[0], bows_.times()) != nullptr) return hidden();
+  const Lever* const l = vanished(levers, from, to, seconds);
   if (l == nullptr) return {};
   // If the target itself is zero, shorter steps do not help.
   vanished_ = idx(l->address) >= layout_.first_unknown || to[0][l->address] > 0;
@@ -394,6 +442,7 @@ Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
     const double h = std::copysign(std::min(stride.length, std::abs(span)), span);
     const double target = std::abs(t - now_) <= std::abs(h) * 1.0000001 ? t : now_ + h;
     if (in_a_row >= kExpandAfter) expand();
+    any_turn_ = std::abs(h) <= shortest_ * 1.5;
     const Status s = try_step(target, Attempt::Branch::inside);
     if (s.ok()) {
       if (in_a_row < kExpandAfter) in_a_row = 0;
@@ -413,8 +462,7 @@ Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
     tell_before_dividing();
     if (s.code == Code::stop_reached) return s;
     if (turned_ > 1) {
-      any_turn_ = std::abs(h) <= shortest_ * 1.5;
-      if (!any_turn_) stride.set(std::max(std::abs(target - now_) / std::ceil(turned_), shortest_));
+      stride.set(std::max(std::abs(target - now_) / std::ceil(turned_), shortest_));
       continue;
     }
     ++report_.counters.rejected;

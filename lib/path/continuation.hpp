@@ -2,6 +2,7 @@
 // that Newton's method does not solve; passes change points; keeps the last good posture at a limit.
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <cstdint>
 #include <functional>
@@ -16,6 +17,7 @@
 #include "assur/simulator.hpp"
 #include "group/step_rules.hpp"
 #include "numbers.hpp"
+#include "path/bows.hpp"
 #include "path/independence.hpp"
 #include "path/layout.hpp"
 #include "path/levels.hpp"
@@ -78,7 +80,8 @@ class Continuation {
     std::vector<Lever> levers;
     std::vector<double> angles;  // of the drivers
     std::vector<AngleTurns::Snapshot> turns;
-    std::vector<double> limits;
+    LimitWatch::Snapshot limits;
+    Bows::Measured bows;
   };
   // Allocates no memory if `into` holds a snapshot of the same plan. in_step: the call comes within a step that has not
   // left its first posture; the snapshot is then the state before the step.
@@ -152,6 +155,9 @@ class Continuation {
   [[nodiscard]] Status check_watched(double t, Attempt::Branch branch, double left, StepErrors& errors);
   [[nodiscard]] Status solve_packs(double t, Attempt::Branch branch, double converged, StepErrors& errors);
   [[nodiscard]] bool solve_together(const Attempt& attempt, StepErrors& errors);
+  [[nodiscard]] double bent(double t);
+  void measure_bows();
+  [[nodiscard]] Status hidden();
   void undo_attempt();
   void forget_guards();
   [[nodiscard]] Status check_levers(std::size_t begin, std::size_t end, double seconds);
@@ -189,6 +195,9 @@ class Continuation {
   Levels levels_;
   std::unique_ptr<Together> together_;  // null without +together
   State state_;
+  Bows bows_;
+  bool bends_ = false;                // a law leaves its chord on the step that was tried
+  std::array<LaneArray, 3> known_;    // for bows_: known coordinates and their derivatives, in the layout of the state
   const State::Way* over_ = nullptr;  // predicts the step over a change point; else null
   bool lacks_rates_ = false;          // the rates of some unknowns are not computed, because they are not wanted
   bool expands_ = false;              // all rates are computed, and used for the prediction
@@ -209,7 +218,7 @@ class Continuation {
   int angles_together_;             // angles_together()
   bool any_turn_ = true;            // angles take the shorter way, even if they turn far
   bool turn_guessed_ = false;
-  double turned_ = 0;    // turn of the step that was tried, relative to the largest allowed turn
+  double turned_ = 0;    // length of the step that was tried over the largest allowed one, by turns and bows
   double shortest_ = 0;  // length of the shortest attempt at this step, until its failure is examined
   // Postures of this step at which failures were examined; the postures of one block approach a singular posture.
   std::vector<Singularity> approach_;

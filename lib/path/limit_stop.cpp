@@ -26,7 +26,13 @@ void Continuation::begin_limits(const Continuation* before) {
 // posture within the limit is accepted instead.
 Status Continuation::check_limits(double target, StepErrors& errors) {
   const double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
-  if (passes_ || !limit_watch_->may_change(q, target)) return {};
+  if (passes_) return {};
+  const bool may_change = limit_watch_->may_change(q, target);
+  if (!any_turn_ && limit_watch_->hides_change(bows_.times())) {
+    undo_attempt();
+    return hidden();
+  }
+  if (!may_change) return {};
   undo_attempt();
   const std::vector<LimitWatch::Change> changes = limit_watch_->changes([&](double t) -> const double* {
     predict(t);

@@ -14,6 +14,9 @@ namespace {
 // Rounding of a quantity, relative to its bound, and at least to 1 rad or the typical length: a motion may rest at its
 // limit.
 constexpr double kRounding = 256 * kEps;
+// A bow that is smaller than this part of the bound, or of 1 rad or the typical length, hides nothing: the polynomial
+// of degree 5 is then closer to the motion by orders of magnitude.
+constexpr double kHidden = 0x1p-14;
 constexpr double kResolved = 16 * kEps;  // width of a bracket, relative to the time
 constexpr double kNarrow = 0x1p-26;      // error of the place of an extremum, relative to the step
 constexpr int kMostProbes = 200;
@@ -85,8 +88,10 @@ LimitWatch::LimitWatch(const System& system, std::span<const std::int32_t> addre
     const auto is_it = [&](const Output& o) { return o.name == measure(i).name; };
     const auto column = static_cast<std::size_t>(std::find_if(outputs.begin(), outputs.end(), is_it) - outputs.begin());
     const double typical = unit_of(measure(i)) == "rad" ? 1 : system.unit(measure(i).dimension);
-    sides_.push_back({kJet * column, b.is_max ? 1.0 : -1.0, kRounding * std::max(std::abs(b.value), typical)});
+    const double size = std::max(std::abs(b.value), typical);
+    sides_.push_back({kJet * column, b.is_max ? 1.0 : -1.0, kRounding * size, kHidden * size});
   }
+  bows_.resize(sides_.size());
   angles_ = outputs_.angles();
   no_turns_.resize(angles_.size());
   divisors_.resize(outputs_.measures());
@@ -160,6 +165,30 @@ bool LimitWatch::may_change(Posture q, double time) {
     const auto c = way_of_it.coefficients();
     const bool is_outside = excess(i, c[0]) > 0;
     if (std::any_of(c.begin(), c.end(), [&](double x) { return (excess(i, x) > 0) != is_outside; })) return true;
+  }
+  return false;
+}
+
+void LimitWatch::measure(Posture q, std::span<double* const> probes, const double* resting, std::size_t lane) {
+  std::fill(bows_.begin(), bows_.end(), 0.0);
+  for (const double* const probe : probes) {
+    outputs_.differentiate(q, {probe + lane, resting + lane, resting + lane}, nullptr, probe_.data());
+    for (std::size_t i = 0; i < sides_.size(); ++i) {
+      const double slope = std::abs(probe_[sides_[i].column]);
+      if (std::isfinite(slope)) bows_[i] += slope;  // a quantity at a kink is judged by its polynomial alone
+    }
+  }
+}
+
+bool LimitWatch::hides_change(double times) const {
+  for (std::size_t i = 0; i < sides_.size(); ++i) {
+    const double bow = times * bows_[i];
+    if (!(bow > sides_[i].hidden)) continue;
+    const Quintic polynomial = way(i);
+    const auto c = polynomial.coefficients();
+    const auto [least, most] = std::minmax_element(c.begin(), c.end());
+    const double one = excess(i, *least), other = excess(i, *most);
+    if (std::max(one, other) > -bow && std::min(one, other) <= bow) return true;
   }
   return false;
 }

@@ -60,6 +60,12 @@ class LimitWatch {
 
   // Reads the posture that may be accepted next. True if a quantity may leave or enter its limit on the way there.
   [[nodiscard]] bool may_change(Posture q, double time);
+  // After may_change(): true if a quantity may have left or entered its limit on the way, but the laws may leave their
+  // chords so far that the polynomial does not show it. times: factor of the bows, see measure()
+  [[nodiscard]] bool hides_change(double times) const;
+  // Measures how far each quantity may leave its way within a step, to first order: by the changes of the coordinates
+  // that the probes hold. resting: zeros, of the size of the state
+  void measure(Posture q, std::span<double* const> probes, const double* resting, std::size_t lane = 0);
   // A quantity leaves its limit (`leaves`) or returns into it, between two times.
   struct Change {
     std::size_t bound;
@@ -77,9 +83,16 @@ class LimitWatch {
   [[nodiscard]] const std::vector<double>& values() const { return values_; }
 
   // State at the last accepted posture, which restore() returns to.
-  [[nodiscard]] const std::vector<double>& row() const { return now_; }
-  void restore(const std::vector<double>& row, double time) {
-    now_ = row;
+  struct Snapshot {
+    std::vector<double> row, bows;
+  };
+  void save(Snapshot& into) const {
+    into.row = now_;
+    into.bows = bows_;
+  }
+  void restore(const Snapshot& from, double time) {
+    now_ = from.row;
+    bows_ = from.bows;
     now_time_ = time;
   }
 
@@ -92,6 +105,7 @@ class LimitWatch {
     std::size_t column;  // column of the value in a row
     double sign;         // the quantity is outside if sign * (value - bound) > rounding
     double rounding;
+    double hidden;  // a smaller bow counts as none
   };
   [[nodiscard]] double excess(std::size_t bound, double value) const {
     return sides_[bound].sign * (value - system_.bounds[bound].value) - sides_[bound].rounding;
@@ -109,6 +123,7 @@ class LimitWatch {
   AngleTurns turns_;
   std::vector<std::size_t> angles_;  // columns of signed angles
   std::vector<Side> sides_;          // one for each bound
+  std::vector<double> bows_;         // one for each bound, see measure()
   std::vector<double> no_turns_, divisors_;
   std::vector<double> now_, next_, probe_;  // rows: value, rate and acceleration of each quantity
   std::vector<double> values_;              // values in now_

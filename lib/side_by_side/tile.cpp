@@ -12,6 +12,8 @@
 namespace assur {
 namespace {
 
+constexpr double kEqualSteps = 1e-10;  // steps of a grid differ by the rounding of times
+
 // False if a solver still has the pivots with which it began.
 bool has_worked(const Effort& e) { return e.redone + e.renewed + e.refined + e.unplanned + e.in_double > 0; }
 
@@ -34,6 +36,7 @@ Tile::Tile(const Prepared& prepared, const StepLimits& limits)
   independence_.resize(idx(lanes_));
   limit_watch_.resize(idx(lanes_));
   limit_events_.resize(idx(lanes_));
+  levers_of_.resize(idx(lanes_));
   all_divisors_.resize(idx(lanes_) * outputs_[0].measures());
   for (std::size_t lane = 0; lane < idx(lanes_); ++lane) {
     divisors_.push_back(all_divisors_.data() + lane * outputs_[0].measures());
@@ -81,6 +84,7 @@ Status Tile::start(std::span<const Variant* const> variants, bool alike) {
   variants_.assign(variants.begin(), variants.end());
   bind(alike);
   state_.clear();
+  begin_bows();
   watched_level_ = 0;
   measured_at_ = -1;
   const std::size_t w = idx(lanes_);
@@ -98,6 +102,21 @@ Status Tile::start(std::span<const Variant* const> variants, bool alike) {
   if (!s.ok()) return s;
   accept(times);
   return begin_limits();
+}
+
+void Tile::begin_bows() {
+  const auto bends = [](const std::optional<DriveProgram>& program) { return program && program->bends(); };
+  const std::size_t laws = drive_[0]->laws();
+  const bool any = std::any_of(drive_.begin(), drive_.begin() + static_cast<std::ptrdiff_t>(variants_.size()), bends);
+  if (any && law_bows_.empty()) {
+    bows_.resize(layout_, laws, idx(lanes_));
+    law_bows_.assign(idx(lanes_) * laws, 0.0);
+    for (LaneArray& v : known_) v.assign(layout_.size, 0.0);
+  }
+  std::fill(law_bows_.begin(), law_bows_.end(), 0.0);
+  for (auto& of : levers_of_) of = levers_;
+  bows_.clear();
+  length_of_bows_ = kNan;
 }
 
 void Tile::bind(bool alike) {
@@ -244,10 +263,8 @@ Status Tile::solve(std::span<const double> times, Attempt::Branch branch) {
 Status Tile::solve_all(std::span<const double> times, Attempt::Branch branch, StepErrors& errors) {
   if (const Status s = drive(times); !s.ok()) return s;
   const bool inside = branch == Attempt::Branch::inside;
-  for (std::size_t lane = 0; lane < driven_lanes_ && inside; ++lane) {
-    const std::size_t before = lane < lanes_accepted_ ? lane : 0;
-    const double part = turned(driven_angles_[before], drive_[lane]->angles(), together_, structure_->system->teeth);
-    if (part > 1) return {Code::branch_unknown, Place::lane(static_cast<std::int32_t>(lane)), part};
+  if (inside) {
+    if (const Status s = check_bows(times); !s.ok()) return s;
   }
   const auto seconds = [&](std::size_t lane) { return inside ? times[lane] - now_[lane] : 0; };
   for (std::size_t lane = 0; lane < driven_lanes_; ++lane) {
@@ -261,6 +278,75 @@ Status Tile::solve_all(std::span<const double> times, Attempt::Branch branch, St
   if (const Status s = check_sets(); !s.ok()) return s;
   if (branch == Attempt::Branch::start) return begin_angles(times);
   return inside ? follow_angles(times[0] - now_[0]) : Status{};
+}
+
+// Like Continuation::bent().
+Status Tile::check_bows(std::span<const double> times) {
+  const std::size_t laws = drive_[0]->laws();
+  const double h = std::abs(times[0] - now_[0]);
+  if (!law_bows_.empty() && !(std::abs(h - length_of_bows_) <= kEqualSteps * h)) {
+    bool evenly = true;
+    for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
+      double* const bows = law_bows_.data() + lane * laws;
+      if (lane < driven_lanes_) {
+        drive_[lane]->bows(now_[lane], times[lane], {bows, laws});
+        evenly = evenly && drive_[lane]->bends_evenly();
+      } else {
+        std::copy_n(law_bows_.begin(), laws, bows);
+      }
+    }
+    length_of_bows_ = evenly ? h : kNan;
+    bends_ = bows_.take(law_bows_);
+  }
+  for (std::size_t lane = 0; lane < driven_lanes_; ++lane) {
+    const std::size_t before = lane < lanes_accepted_ ? lane : 0;
+    const std::span<const double> bows =
+        law_bows_.empty() ? std::span<const double>() : std::span(law_bows_).subspan(lane * laws, laws);
+    const double part =
+        turned(driven_angles_[before], drive_[lane]->angles(), bows, together_, structure_->system->teeth);
+    if (part > 1) return {Code::branch_unknown, Place::lane(static_cast<std::int32_t>(lane)), part};
+  }
+  if (law_bows_.empty() || !bends_) return {};
+  if (!bows_.serve(counters_.branch_checks)) measure_bows(times);
+  for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
+    const double part = bows_.part(lane);
+    if (part > 1) return {Code::branch_unknown, Place::lane(static_cast<std::int32_t>(lane)), part};
+  }
+  return {};
+}
+
+// Leaves the known coordinates at `times`.
+void Tile::measure_bows(std::span<const double> times) {
+  const std::size_t w = idx(lanes_), known = layout_.first_unknown;
+  const double* const q[3] = {state_.accepted(0), state_.accepted(1), state_.accepted(2)};
+  std::copy_n(q[0], known, known_[0].begin());
+  for (std::size_t lane = 0; lane < variants_.size(); ++lane) drive_[lane]->evaluate(now_[lane]);
+  const auto lean = [&](std::size_t lane, double* probe, std::span<const double> rates) {
+    if (lane >= variants_.size()) return;
+    std::fill_n(known_[1].begin(), known, 0.0);
+    drive_[lane]->move(rates);
+    drive_[lane]->place({known_[0].data() + lane, known_[1].data() + lane, known_[2].data() + lane}, w);
+    for (const Index c : driven_coordinates_) {
+      double* const row = probe + idx(c) * w;
+      row[lane] = known_[1][idx(c) * w + lane];
+      if (lane == 0) std::fill(row + variants_.size(), row + w, row[0]);  // idle lanes repeat lane 0
+    }
+  };
+  bows_.measure(q[0], counters_.branch_checks, lean, [&](const auto& work) {
+    for (std::size_t p = 0; p < layout_.packs.size(); ++p) work(p, *layout_.solvers[idx(layout_.packs[p].group_class)]);
+  });
+  for (Pack& pack : layout_.packs) pack.factored = false;
+  for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
+    turns_[lane].measure(q[0] + lane, bows_.probes(), known_[0], lane);
+    for (Lever& l : levers_of_[lane]) l.bow = bows_.sizes()[idx(l.address) + lane];
+  }
+  std::fill(known_[0].begin(), known_[0].end(), 0.0);
+  for (std::size_t lane = 0; lane < variants_.size() && limit_watch_[0]; ++lane) {
+    const double* const of[3] = {q[0] + lane, q[1] + lane, q[2] + lane};
+    limit_watch_[lane]->turns().measure(q[0] + lane, bows_.probes(), known_[1], lane);
+    limit_watch_[lane]->measure(of, bows_.probes(), known_[0].data(), lane);
+  }
+  (void)drive(times);
 }
 
 bool Tile::polish() {
@@ -322,7 +408,10 @@ Status Tile::accuracy(int lane) const {
 Status Tile::check_levers(std::size_t begin, std::size_t end, std::size_t lane, double seconds) const {
   const double* const from[3] = {state_.accepted(0) + lane, state_.accepted(1) + lane, state_.accepted(2) + lane};
   const double* const to[3] = {state_.at(0) + lane, state_.at(1) + lane, state_.at(2) + lane};
-  const Lever* const l = vanished(std::span(levers_).subspan(begin, end - begin), from, to, seconds);
+  const std::span<const Lever> levers = std::span(levers_of_[lane]).subspan(begin, end - begin);
+  const Lever* l = seconds == 0 ? nullptr : may_vanish(levers, from[0], to[0], bows_.times(lane));
+  if (l != nullptr) return {Code::branch_unknown, Place::lane(static_cast<std::int32_t>(lane)), seconds};
+  l = vanished(levers, from, to, seconds);
   if (l == nullptr) return {};
   return {Code::actuator_zero, Place::lane(static_cast<std::int32_t>(lane)), std::min(to[0][l->address], 0.0)};
 }
@@ -383,8 +472,11 @@ Status Tile::follow_angles(double seconds) {
   if (turns_[0].empty() && !limit_watch_[0]) return s;
   for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
     const double* const q = state_.at(0) + lane;
-    bool known = turns_[lane].follow(q, seconds) == AngleTurns::Way::known;
-    if (limit_watch_[lane]) known = limit_watch_[lane]->turns().follow(q, seconds) == AngleTurns::Way::known && known;
+    const double times = bows_.times(lane);
+    bool known = turns_[lane].follow(q, seconds, times) == AngleTurns::Way::known;
+    if (limit_watch_[lane]) {
+      known = limit_watch_[lane]->turns().follow(q, seconds, times) == AngleTurns::Way::known && known;
+    }
     if (!known) s = {Code::branch_unknown, Place::lane(static_cast<std::int32_t>(lane)), seconds};
   }
   return s;
@@ -395,6 +487,7 @@ void Tile::accept(std::span<const double> times) {
   lanes_accepted_ = driven_lanes_;
   for (std::size_t lane = 0; lane < driven_lanes_; ++lane) {
     const std::span<const double> angles = drive_[lane]->angles();
+    drive_[lane]->accept();
     std::vector<double>& accepted = driven_angles_[lane];
     if (accepted.size() != angles.size()) accepted.resize(angles.size());
     for (std::size_t i = 0; i < angles.size(); ++i) accepted[i] = angles[i];
@@ -434,6 +527,10 @@ Status Tile::check_limits(std::span<const double> times) {
   std::vector<std::size_t> lanes;
   for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
     if (may_change(lane)) lanes.push_back(lane);
+    if (limit_watch_[lane]->hides_change(bows_.times(lane))) {
+      for (Pack& pack : layout_.packs) pack.undo(attempts_);
+      return {Code::branch_unknown, Place::lane(static_cast<std::int32_t>(lane)), 0};
+    }
   }
   if (lanes.empty()) return {};
   const auto undo = [&] {

@@ -2,6 +2,7 @@
 // mechanism at several times. Every group is a pack whose lanes are the mechanisms.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -14,6 +15,7 @@
 #include "assur/report.hpp"
 #include "assur/simulator.hpp"
 #include "errors/error_estimate.hpp"
+#include "path/bows.hpp"
 #include "path/function_check.hpp"
 #include "path/independence.hpp"
 #include "path/layout.hpp"
@@ -125,6 +127,9 @@ class Tile {
   [[nodiscard]] double watched(std::int32_t& worst);
   [[nodiscard]] Status check_watched(std::span<const double> times, Attempt::Branch branch, StepErrors& errors);
   [[nodiscard]] Status check_sets();
+  void begin_bows();
+  [[nodiscard]] Status check_bows(std::span<const double> times);
+  void measure_bows(std::span<const double> times);
   [[nodiscard]] Status check_levers(std::size_t begin, std::size_t end, std::size_t lane, double seconds) const;
   [[nodiscard]] Status begin_angles(std::span<const double> times);
   [[nodiscard]] Status follow_angles(double seconds);
@@ -158,11 +163,17 @@ class Tile {
   std::vector<std::optional<FunctionCheck>> functions_;  // lanes; only the first of equal ones; empty: nothing to check
   ErrorEstimate estimate_;
   State state_;
-  std::vector<const Variant*> variants_;     // lanes in use
-  std::vector<const System*> bound_to_;      // lanes: system of the programs
-  std::vector<std::vector<Output>> wanted_;  // lanes: outputs of that system
-  std::vector<double> now_;                  // their times
-  bool same_laws_ = false;                   // of the drivers of all lanes
+  Bows bows_;
+  std::vector<double> law_bows_;    // lanes x laws
+  double length_of_bows_ = kNan;    // the step that they are for, if they depend on its length only
+  bool bends_ = false;              // a law leaves its chord on that step
+  std::array<LaneArray, 3> known_;  // for bows_: known coordinates and their derivatives, in the layout of the state
+  std::vector<std::vector<Lever>> levers_of_;  // lanes: the levers with their bows
+  std::vector<const Variant*> variants_;       // lanes in use
+  std::vector<const System*> bound_to_;        // lanes: system of the programs
+  std::vector<std::vector<Output>> wanted_;    // lanes: outputs of that system
+  std::vector<double> now_;                    // their times
+  bool same_laws_ = false;                     // of the drivers of all lanes
   bool same_assignments_ = false;
   std::int64_t attempts_ = 0;
   Counters counters_;

@@ -13,6 +13,7 @@ namespace assur {
 namespace {
 constexpr double kStepOfDrivers = 1;  // rad
 constexpr double kFirstSteps = 16;    // bound for a path of unknown shape: four times the chord, squared
+constexpr double kMostBow = 0.25;     // of a vector, relative to its length: the inverse of a Jacobian may grow
 constexpr double kNoise = 1e-12;      // relative to the terms of a vector: a shorter vector has no direction
 
 }  // namespace
@@ -24,10 +25,11 @@ AngleTurns::AngleTurns(const OutputProgram& outputs)
       columns_(outputs.angles()),
       now_(columns_.size()),
       next_(columns_.size()),
-      turns_(columns_.size()) {}
+      turns_(columns_.size()),
+      bows_(columns_.size()) {}
 
 void AngleTurns::start(const double* q) {
-  (void)follow(q, 0);
+  (void)follow(q, 0, 0);
   for (std::size_t i = 0; i < now_.size(); ++i) {
     next_[i].speed = -1;
     now_[i] = next_[i];
@@ -41,7 +43,7 @@ bool AngleTurns::is_short(const Arm& from, const Arm& to, double way) {
   return 2 * std::sqrt(way) <= std::sqrt(from.square) + std::sqrt(to.square);
 }
 
-AngleTurns::Way AngleTurns::follow(const double* q, double seconds) {
+AngleTurns::Way AngleTurns::follow(const double* q, double seconds, double times) {
   Way found = Way::known;
   for (std::size_t i = 0, count = now_.size(); i < count; ++i) {
     const Arm& now = now_[i];
@@ -51,10 +53,25 @@ AngleTurns::Way AngleTurns::follow(const double* q, double seconds) {
     next.square = next.x * next.x + next.y * next.y;
     next.chord = dx * dx + dy * dy;
     const double way = now.speed < 0 ? kFirstSteps * next.chord : std::max(next.chord, now.speed * seconds * seconds);
-    if (found == Way::unknown || is_short(now, next, way)) continue;
+    const bool is_bent = times * times * bows_[i] > kMostBow * kMostBow * std::min(now.square, next.square);
+    if (found == Way::unknown || (is_short(now, next, way) && !is_bent)) continue;
     found = is_noise(i, now, next, q) ? Way::none : Way::unknown;
   }
   return found;
+}
+
+void AngleTurns::measure(const double* q, std::span<double* const> probes, std::span<double> scratch,
+                         std::size_t lane) {
+  std::fill(bows_.begin(), bows_.end(), 0.0);
+  for (const double* const probe : probes) {
+    for (std::size_t a = lane; a < scratch.size(); ++a) scratch[a] = q[a - lane] + probe[a];
+    for (std::size_t i = 0; i < bows_.size(); ++i) {
+      double x = 0, y = 0;
+      outputs_.arm(i, scratch.data() + lane, x, y);
+      bows_[i] += std::hypot(x - now_[i].x, y - now_[i].y);
+    }
+  }
+  for (double& bow : bows_) bow *= bow;
 }
 
 bool AngleTurns::is_noise(std::size_t i, const Arm& from, const Arm& to, const double* q) const {
@@ -85,17 +102,20 @@ void AngleTurns::continue_from(std::span<const double> row) {
 void AngleTurns::save(Snapshot& into) const {
   into.arms = now_;
   into.turns = turns_;
+  into.bows = bows_;
 }
 
 void AngleTurns::restore(const Snapshot& from) {
   now_ = from.arms;
   turns_ = from.turns;
+  bows_ = from.bows;
 }
 
-double turned(std::span<const double> from, std::span<const double> to, int together, int teeth) {
+double turned(std::span<const double> from, std::span<const double> to, std::span<const double> bows, int together,
+              int teeth) {
   double sum = 0, largest = 0;
   for (std::size_t i = 0; i < from.size(); ++i) {
-    const double by = std::abs(to[i] - from[i]);
+    const double by = std::abs(to[i] - from[i]) + (bows.empty() ? 0 : bows[i]);
     sum += by;
     largest = std::max(largest, by);
   }

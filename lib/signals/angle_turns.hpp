@@ -1,7 +1,8 @@
 // Whole turns of signed angles along a run. A posture gives an angle up to whole turns, so that turns are counted from
 // one accepted posture to the next. This is safe if the vector that defines the angle moves by less than its own
-// length, because it cannot have gone round the origin. Rates are not used: they are unbounded towards a fold, and not
-// every plan computes them.
+// length, because it cannot have gone round the origin, and if the laws of the drivers have no room for a turn between
+// both postures (path/bows.hpp). Rates are not used: they are unbounded towards a fold, and not every plan computes
+// them.
 #pragma once
 
 #include <span>
@@ -30,8 +31,11 @@ class AngleTurns {
     unknown,  // a vector moved too far, or would have at the speed of the step before; a shorter step may help
     none,     // a vector is as small as rounding, so that its direction is unknown for any step
   };
-  // Examines another posture, a time `seconds` later.
-  [[nodiscard]] Way follow(const double* q, double seconds);
+  // Examines another posture, a time `seconds` later. times: factor of the bows, see measure(); 0: laws are lines.
+  [[nodiscard]] Way follow(const double* q, double seconds, double times);
+  // Measures how far each vector may leave its way within a step: by the changes of its coordinates that the probes
+  // hold. scratch: memory of the size of the state; lane: of a tile
+  void measure(const double* q, std::span<double* const> probes, std::span<double> scratch, std::size_t lane = 0);
   // Accepts that posture. Angles with unknown turns take the shorter way.
   void accept(double seconds);
 
@@ -59,20 +63,23 @@ class AngleTurns {
   std::vector<std::size_t> columns_;
   std::vector<Arm> now_, next_;
   std::vector<double> turns_;
+  std::vector<double> bows_;  // squares of the largest bows, see measure()
 };
 
 struct AngleTurns::Snapshot {
   std::vector<Arm> arms;
-  std::vector<double> turns;
+  std::vector<double> turns, bows;
 };
 
 // Whole turns from one angle to another, rounded.
 [[nodiscard]] double whole_turns(double from, double to);
 
 // Turn of the angles of drivers in one step, relative to the largest allowed one (about a radian in all); more than 1:
-// too far. `together`: see angles_together(). With this limit, bodies that follow a driver may turn three times as fast
-// without passing half a turn unnoticed. teeth: System::teeth, divides the largest turn.
-[[nodiscard]] double turned(std::span<const double> from, std::span<const double> to, int together, int teeth);
+// too far. bows: how far the angles may leave their chords, first of all laws. `together`: see angles_together(). With
+// this limit, bodies that follow a driver may turn three times as fast without passing half a turn unnoticed. teeth:
+// System::teeth, divides the largest turn.
+[[nodiscard]] double turned(std::span<const double> from, std::span<const double> to, std::span<const double> bows,
+                            int together, int teeth);
 
 // The most driven angles that one coordinate depends on: the last link of an arm turns by the sum of its joints.
 [[nodiscard]] int angles_together(const System& system, const Structure& structure);

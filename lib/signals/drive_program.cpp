@@ -5,8 +5,16 @@
 
 #include "index.hpp"
 #include "scene/drive.hpp"
+#include "scene/law_bow.hpp"
 
 namespace assur {
+namespace {
+
+// Place of the call of a function between both ends of a step, as a part of the step: no simple fraction, because laws
+// that repeat with the rows are the ones to see.
+constexpr double kBetween = 0.381966;
+
+}  // namespace
 
 bool is_angle(const System& s, const DriverInput& in, int law) {
   if (in.kind == DriverInput::Kind::scalar) return false;
@@ -25,6 +33,7 @@ DriveProgram::DriveProgram(const System& system, const Driven& driven) {
   const std::size_t padded = (laws_ + kAngleBlock - 1) / kAngleBlock * kAngleBlock;
   for (std::vector<double>* v : {&base_, &jets_[0], &jets_[1], &jets_[2], &sines_, &cosines_}) v->resize(padded);
   held_.resize(laws_);
+  bend_.resize(laws_);
   slot_of_.resize(system.coordinates.size(), -1);
   for (const Index input : driven.inputs) add_input(system, idx(input));
   for (const Index i : driven.assignments) add_assignment(system, system.assignments[idx(i)]);
@@ -84,6 +93,27 @@ void DriveProgram::add_law(std::int32_t slot, const Law& law) {
     } else {
       others_.push_back({slot, &part});
     }
+    add_bend(slot, part);
+  }
+}
+
+void DriveProgram::add_bend(std::int32_t slot, const Law::Part& part) {
+  const double scale = scale_[idx(slot)];
+  Bend& bend = bend_[idx(slot)];
+  if (const auto* harmonics = std::get_if<Law::Harmonics>(&part)) {
+    for (const Harmonic& term : harmonics->terms) {
+      const double omega = law_detail::two_pi<double>() * term.frequency, amplitude = std::abs(term.amplitude) * scale;
+      bend.acceleration += amplitude * omega * omega;
+      if (omega != 0) bend.reach += 2 * amplitude;
+    }
+    return;
+  }
+  const auto* polynomial = std::get_if<Law::Polynomial>(&part);
+  if (polynomial != nullptr && polynomial->coefficients.size() <= 3) {
+    if (polynomial->coefficients.size() == 3) bend.steady += 2 * polynomial->coefficients[2] * scale;
+  } else {
+    evenly_ = false;
+    if (polynomial != nullptr) uneven_.push_back({slot, &part});
   }
 }
 
@@ -155,10 +185,10 @@ void DriveProgram::evaluate(double t) {
   for (const Polynomial& p : polynomials_) {
     add(p.slot, law_detail::horner({coefficients_.data() + p.begin, coefficients_.data() + p.end}, t), 1);
   }
-  for (const Other& o : others_) {
+  for (Other& o : others_) {
     if (held_[idx(o.slot)] != 0) continue;
-    add(o.slot, std::visit([&](const auto& part) { return law_detail::evaluate(part, t); }, *o.part),
-        scale_[idx(o.slot)]);
+    o.to = {t, std::visit([&](const auto& part) { return law_detail::evaluate(part, t); }, *o.part)};
+    add(o.slot, o.to.motion, scale_[idx(o.slot)]);
   }
 }
 
@@ -172,6 +202,51 @@ void DriveProgram::replace(std::int32_t slot, const Motion& motion) {
 void DriveProgram::move_only(std::int32_t slot) {
   for (std::size_t i = 0; i < laws_; ++i) jets_[1][i] = jets_[2][i] = 0;
   jets_[1][idx(slot)] = scale_[idx(slot)];
+}
+
+void DriveProgram::move(std::span<const double> rates) {
+  std::copy(rates.begin(), rates.end(), jets_[1].begin());
+  std::fill_n(jets_[2].begin(), laws_, 0.0);
+}
+
+bool DriveProgram::bends() const {
+  return !evenly_ ||
+         std::any_of(bend_.begin(), bend_.end(), [](const Bend& b) { return b.acceleration != 0 || b.steady != 0; });
+}
+
+void DriveProgram::bows(double from, double to, std::span<double> bows) {
+  const double h = to - from, part = h * h / 8;
+  for (std::size_t i = 0; i < laws_; ++i) {
+    bows[i] = std::min(part * bend_[i].acceleration, bend_[i].reach) + part * std::abs(bend_[i].steady);
+  }
+  for (const Other& o : uneven_) {
+    const auto& polynomial = std::get<Law::Polynomial>(*o.part);
+    bows[idx(o.slot)] += part * most_acceleration(polynomial.coefficients, from, to) * scale_[idx(o.slot)];
+  }
+  for (Other& o : others_) {
+    if (held_[idx(o.slot)] != 0) continue;
+    double more = 0;
+    if (const auto* spline = std::get_if<Law::Spline>(o.part)) more = bow(*spline, from, to);
+    if (const auto* function = std::get_if<Law::Function>(o.part)) more = bow_of_function(*function, o, from, to);
+    bows[idx(o.slot)] += more * scale_[idx(o.slot)];
+  }
+}
+
+double DriveProgram::bow_of_function(const Law::Function& law, Other& of, double from, double to) {
+  const auto at = [&](Sample& sample, double t) {
+    if (sample.time != t) sample = {t, law.motion(t)};
+    return sample.motion;
+  };
+  if (from == to) return 0;
+  const Motion a = at(of.from, from), b = at(of.to, to), between = law.motion(from + kBetween * (to - from));
+  const double off = std::abs(between.value - (a.value + kBetween * (b.value - a.value)));
+  const double most = std::max({std::abs(a.acceleration), std::abs(between.acceleration), std::abs(b.acceleration)});
+  const double found = std::max(off / (4 * kBetween * (1 - kBetween)), (to - from) * (to - from) / 8 * most);
+  return std::isfinite(found) ? found : 0;
+}
+
+void DriveProgram::accept() {
+  for (Other& o : others_) o.from = o.to;
 }
 
 void DriveProgram::place_as(const DriveProgram& other, double* const (&state)[3], std::size_t stride) const {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "assur/status.hpp"
+#include "numbers.hpp"
 #include "scene/system.hpp"
 #include "signals/angle_kernels.hpp"
 
@@ -35,6 +36,21 @@ class DriveProgram {
   void replace(std::int32_t slot, const Motion& motion);  // SI units
   // Leaves the values of all laws, and lets this one alone change, by one SI unit per second.
   void move_only(std::int32_t slot);
+  // Leaves the values of all laws, and lets them change by these rates, internal units. rates: laws()
+  void move(std::span<const double> rates);
+
+  [[nodiscard]] std::size_t laws() const { return laws_; }  // in slots 0, 1, ...; the angles come first
+  [[nodiscard]] double scale(std::int32_t slot) const { return scale_[static_cast<std::size_t>(slot)]; }
+  // False if no law ever leaves its chord.
+  [[nodiscard]] bool bends() const;
+  // True if the bows depend on the length of the step only.
+  [[nodiscard]] bool bends_evenly() const { return evenly_; }
+  // How far each law may leave its chord between two times, internal units (scene/law_bow.hpp). A function of the
+  // program is called once between them. The last evaluate() was for `to`. bows: laws(); those of held laws are
+  // meaningless
+  void bows(double from, double to, std::span<double> bows);
+  // To be called when a step to the time of the last evaluate() is accepted.
+  void accept();
   // Values of the laws that are angles, unwrapped.
   [[nodiscard]] std::span<const double> angles() const { return {jets_[0].data(), angles_}; }
   // Writes the driven coordinates. state[d]: d-th derivative, indexed by coordinate * stride.
@@ -53,9 +69,18 @@ class DriveProgram {
   struct Polynomial {
     std::int32_t slot, begin, end;  // range in coefficients_
   };
+  struct Sample {
+    double time = kNan;
+    Motion motion;
+  };
   struct Other {
     std::int32_t slot;
     const Law::Part* part;
+    Sample from = {}, to = {};  // of a function: where the step begins, and the last evaluation
+  };
+  struct Bend {
+    double acceleration = 0, reach = 0;  // of the harmonics: bounds of the second derivative and of the bow
+    double steady = 0;                   // second derivative of the other part, if it is constant
   };
   struct Copy {
     std::int32_t slot;
@@ -74,9 +99,11 @@ class DriveProgram {
     double factor;
   };
   void turn();
+  [[nodiscard]] static double bow_of_function(const Law::Function& law, Other& of, double from, double to);
   void add_slots(const System& system, const Driven& driven, bool angles);
   void add_law(std::int32_t slot, const Law& law);
   void add_term(std::int32_t slot, const Harmonic& term);
+  void add_bend(std::int32_t slot, const Law::Part& part);
   void add_input(const System& system, std::size_t input);
   std::int32_t add_turn(std::vector<Turn>& turns, std::int32_t angle, std::int32_t results);
   void add_copies(std::int32_t slot, Index coordinate, std::int32_t count);
@@ -97,6 +124,9 @@ class DriveProgram {
   std::vector<Polynomial> polynomials_;
   std::vector<double> coefficients_;
   std::vector<Other> others_;
+  std::vector<Bend> bend_;     // laws
+  std::vector<Other> uneven_;  // polynomials of degree 3 and more
+  bool evenly_ = true;         // bends_evenly()
   std::vector<Copy> copies_;
   std::vector<std::int32_t> slot_of_;  // coordinates; -1: a sum
   std::vector<Turn> directions_, frames_;

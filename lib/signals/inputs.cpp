@@ -7,6 +7,7 @@
 
 #include "numbers.hpp"
 #include "scene/jet.hpp"
+#include "scene/law_bow.hpp"
 #include "scene/names.hpp"
 
 namespace assur {
@@ -25,8 +26,10 @@ Motion blend(const Motion& a, const Motion& b, double start, double end, double 
          (d * d / 2 * a.acceleration) * (r3 * s * s) + (d * d / 2 * b.acceleration) * (s3 * r * r);
 }
 
-constexpr int kLooks = 16;       // samples of a lever along its way
-constexpr int kBisections = 40;  // in the search for its minimum
+constexpr double kEqualSteps = 1e-10;  // steps of a grid differ by the rounding of times
+constexpr int kLooks = 16;             // samples of a lever along its way
+constexpr double kHidden = 0x1p-20;    // a smaller bow hides nothing; typical lengths are 1
+constexpr int kBisections = 40;        // in the search for its minimum
 
 bool reaches_zero(const Motion& from, const Motion& to, double seconds) {
   const double h = std::abs(seconds);
@@ -66,6 +69,14 @@ const Lever* vanished(std::span<const Lever> levers, const double* const (&from)
   return nullptr;
 }
 
+const Lever* may_vanish(std::span<const Lever> levers, const double* from, const double* to, double times) {
+  for (const Lever& l : levers) {
+    const double bow = times * l.bow;
+    if (bow > kHidden && !(std::min(from[l.address], to[l.address]) > bow)) return &l;
+  }
+  return nullptr;
+}
+
 Inputs::Inputs(const System& system, const std::vector<std::string>& controlled)
     : system_(system), program_(system, {}) {
   for (std::size_t i = 0; i < system.inputs.size(); ++i) {
@@ -97,6 +108,8 @@ void Inputs::compile(const Driven& driven) {
   program_ = DriveProgram(system_, driven);
   for (Control& c : controls_) c.slot = program_.slot(c.input, c.law);
   accepted_angles_.assign(program_.angles().begin(), program_.angles().end());
+  bows_.assign(program_.laws(), 0.0);
+  length_of_bows_ = kNan;
   levers_.clear();
   for (const Index i : driven.inputs) {
     const DriverInput& in = system_.inputs[static_cast<std::size_t>(i)];
@@ -115,6 +128,25 @@ Status Inputs::drive(double t, double* const (&state)[3]) {
   program_.place(state);
   if (!program_.defined()) return {DriveProgram::why_undefined(system_, t), {}, t};
   return {};
+}
+
+bool Inputs::renew_bows(double from, double to) {
+  const double h = std::abs(to - from);
+  if (std::abs(h - length_of_bows_) <= kEqualSteps * h) return false;
+  program_.bows(from, to, bows_);
+  length_of_bows_ = program_.bends_evenly() ? h : kNan;
+  for (const Control& c : controls_) {
+    if (c.slot < 0 || !c.set) continue;
+    bows_[static_cast<std::size_t>(c.slot)] =
+        bow_of_quintic(c.from, c.to, c.end - c.start, to - from) * program_.scale(c.slot);
+    length_of_bows_ = kNan;
+  }
+  return true;
+}
+
+void Inputs::lean(std::span<const double> rates, double* const (&state)[3]) {
+  program_.move(rates);
+  program_.place(state);
 }
 
 void Inputs::differentiate(std::size_t control, double* const (&state)[3]) {
@@ -180,6 +212,7 @@ void Inputs::begin_step(double now, double next) {
     c.pending = false;
     c.start = now;
     c.end = next;
+    length_of_bows_ = kNan;
   }
 }
 
@@ -221,6 +254,7 @@ void Inputs::take(const Controls& other) {
     controls_[i] = other[i];
     controls_[i].slot = slot;
   }
+  length_of_bows_ = kNan;
 }
 
 bool Inputs::ask_again_from_rest() {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "assur/plan.hpp"
+#include "numbers.hpp"
 #include "scene/system.hpp"
 #include "signals/angle_turns.hpp"
 #include "signals/drive_program.hpp"
@@ -21,6 +22,7 @@ struct Lever {
   std::int32_t address;  // address of its first lane in a state
   Index driver;          // into System::drivers
   double start = 0;      // value at the start of the run
+  double bow = 0;        // how far it may leave its way within a step (path/bows.hpp)
 };
 
 // The first lever that is not positive in the posture `to`, or on the way from the posture `from`, `seconds` earlier;
@@ -28,6 +30,10 @@ struct Lever {
 // derivatives.
 [[nodiscard]] const Lever* vanished(std::span<const Lever> levers, const double* const (&from)[3],
                                     const double* const (&to)[3], double seconds);
+// A lever that may vanish between both postures unseen, because the laws have room for it; null: there is none. times:
+// factor of the bows
+[[nodiscard]] const Lever* may_vanish(std::span<const Lever> levers, const double* from, const double* to,
+                                      double times);
 
 // The drivers of one mechanism.
 class Inputs {
@@ -50,12 +56,25 @@ class Inputs {
   // True if this law of the system is needed, and no target was set instead.
   [[nodiscard]] bool follows_law(std::size_t input, std::size_t law) const;
 
-  // Turn of the angles of drivers since accept(), relative to the largest allowed turn of a step.
+  // Computes how far each law of the program may leave its chord on a step whose end drive() has reached, internal
+  // units. False if bows() are still those of the last step.
+  [[nodiscard]] bool renew_bows(double from, double to);
+  [[nodiscard]] std::span<const double> bows() const { return bows_; }
+  // False if that is 0 for all laws and steps.
+  [[nodiscard]] bool bends() const { return program_.bends() || !controls_.empty(); }
+  [[nodiscard]] std::size_t laws() const { return program_.laws(); }
+  // After drive(): sets the derivatives of the known coordinates by these rates of all laws, as state[1].
+  void lean(std::span<const double> rates, double* const (&state)[3]);
+
+  // After renew_bows(): turn of the angles of drivers since accept(), relative to the largest allowed turn of a step.
   [[nodiscard]] double turned(int together) const {
-    return assur::turned(accepted_angles_, program_.angles(), together, system_.teeth);
+    return assur::turned(accepted_angles_, program_.angles(), bows_, together, system_.teeth);
   }
   // Accepts the posture of the last drive().
-  void accept() { std::copy(program_.angles().begin(), program_.angles().end(), accepted_angles_.begin()); }
+  void accept() {
+    std::copy(program_.angles().begin(), program_.angles().end(), accepted_angles_.begin());
+    program_.accept();
+  }
   [[nodiscard]] const std::vector<double>& accepted_angles() const { return accepted_angles_; }
   void accept(const std::vector<double>& angles) { accepted_angles_ = angles; }
 
@@ -107,6 +126,8 @@ class Inputs {
   DriveProgram program_;
   std::vector<Lever> levers_;
   std::vector<double> accepted_angles_;
+  std::vector<double> bows_;      // laws
+  double length_of_bows_ = kNan;  // the step that they are for, if they depend on its length only
   Controls controls_;
   std::size_t names_ = 0;
 };
