@@ -272,7 +272,12 @@ void ErrorEstimate::finish(const double* const (&state)[3], std::span<const doub
   const double before = worst_;
   find_worst();
   omega_.clear();
-  for (const Pack& pack : layout_.packs) omega_.insert(omega_.end(), pack.omega.begin(), pack.omega.end());
+  for (std::size_t p = 0; p < layout_.packs.size(); ++p) {
+    const LaneArray& omega = layout_.packs[p].omega;
+    // Beside a change point errors are larger than at the limit on it: any condition there has grown.
+    const bool at_limit = layout_.limits[p].exists();
+    for (const double now : omega) omega_.push_back(at_limit ? 0 : now);
+  }
   for (std::size_t i = 0; i < used_; ++i) {
     Mechanism& m = mechanisms_[i];
     std::fill(m.sizes.begin(), m.sizes.end(), Size{});

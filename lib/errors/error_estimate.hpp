@@ -59,7 +59,9 @@ class ErrorEstimate {
                std::span<const double* const> divisors, const Each& each) {
     begin(times, state);
     each([&](std::size_t p, GroupSolver& solver) {
-      regular_[p] = solver.perturb(layout_.packs[p], state, probes(), seed_) ? 1 : 0;
+      const PackLimit& limit = layout_.limits[p];
+      if (limit.exists()) solver.perturb(layout_.packs[p], limit, state, probes(), seed_);
+      regular_[p] = limit.exists() || solver.perturb(layout_.packs[p], state, probes(), seed_) ? 1 : 0;
     });
     finish(state, rows);
     for (std::size_t i = 0; i < used_; ++i) watch_divisors(mechanisms_[i], divisors[i]);

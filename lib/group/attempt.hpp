@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "assur/report.hpp"
+#include "group/pack_limit.hpp"
 #include "group/step_rules.hpp"
 #include "numbers.hpp"
 
@@ -36,6 +37,7 @@ struct Attempt {
     start,     // the posture is given: measure the ball around it
     inside,    // stay inside the ball
     pass,      // through a change point: the corrections must contract
+    limit,     // on a change point: nothing is solved, `limit` is the posture
     anywhere,  // no test: find out if there is a solution; the packs keep nothing
   };
   Branch branch = Branch::inside;
@@ -45,7 +47,8 @@ struct Attempt {
   double converged = kConverged;  // relative residual that counts as solved
   double time = kNan;             // time of the posture relative to any fixed origin, s; NaN: unknown
   double largest_correction = 0;  // pass: a larger first correction (maximum norm) may lead to the other branch
-  bool all_rates = false;         // compute rates of all unknowns, wanted or not; accelerations of all or none
+  const PackLimit* limit = nullptr;
+  bool all_rates = false;  // compute rates of all unknowns, wanted or not; accelerations of all or none
 };
 
 }  // namespace assur

@@ -101,6 +101,44 @@ bool ErrorProbe::perturb(Pack& pack, const double* const (&state)[3], Probes pro
                             {{0, acceleration, &work_.input_accelerations, 1}, {1, rate, &work_.input_rates, 2}});
 }
 
+// An error of the inputs along their motion is an error of the time, which the limit follows like any other time.
+// Across it, it would separate the branches: their crossing counts as exact, and the limit's own error is what both
+// sides say.
+void ErrorProbe::perturb(const Pack& pack, const PackLimit& limit, const double* const (&state)[3], Probes probes,
+                         std::uint64_t seed) const {
+  const std::size_t w = lanes_, n = size_ / w, inputs = pack.inputs.size() / w;
+  const double* const of[4] = {limit.values.data(), limit.values.data() + size_, limit.values.data() + 2 * size_,
+                               limit.values.data() + 3 * size_};
+  for (std::size_t k = 0; k < probes.size(); ++k) {
+    const auto& errors = probes[k].errors;
+    RandomSign sign(seed + pack.unknowns * probes.size() + k);
+    for (std::size_t l = 0; l < w; ++l) {
+      double speed = 0, time = 0, rate = 0, acceleration = 0;
+      const auto each_input = [&](const auto& work) {
+        for (std::size_t i = 0; i < inputs; ++i) work(idx(pack.inputs[i * w + l]));
+      };
+      each_input([&](std::size_t a) {
+        speed += state[1][a] * state[1][a];
+        time += errors[0][a] * state[1][a];
+      });
+      if (speed > 0) time /= speed;
+      each_input([&](std::size_t a) { rate += (errors[1][a] - state[2][a] * time) * state[1][a]; });
+      if (speed > 0) rate /= speed;
+      each_input([&](std::size_t a) { acceleration += (errors[2][a] - 2 * state[2][a] * rate) * state[1][a]; });
+      if (speed > 0) acceleration /= speed;
+      for (std::size_t i = 0; i < n; ++i) {
+        const std::size_t at = i * w + l;
+        const double side = probes[k].cause == Probe::Cause::rounding ? sign() : 0;
+        const auto [in_posture, in_rate, in_acceleration] = limit.errors;
+        errors[0][pack.unknowns + at] = of[1][at] * time + side * in_posture;
+        errors[1][pack.unknowns + at] = of[2][at] * time + of[1][at] * rate + side * in_rate;
+        errors[2][pack.unknowns + at] =
+            of[3][at] * time + 2 * of[2][at] * rate + of[1][at] * acceleration + side * in_acceleration;
+      }
+    }
+  }
+}
+
 bool ErrorProbe::follow(Pack& pack, const double* posture, std::span<double* const> changes) {
   solver_.choose(pack);
   work_.set_inputs(pack, posture);

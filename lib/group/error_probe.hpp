@@ -11,6 +11,7 @@
 #include "backends/residual.hpp"
 #include "group/branch.hpp"
 #include "group/jacobian_solver.hpp"
+#include "group/pack_limit.hpp"
 #include "group/workspace.hpp"
 #include "scene/system.hpp"
 
@@ -41,6 +42,10 @@ class ErrorProbe {
   // For each probe, computes the errors of the unknowns, to first order, from the errors of the inputs and from the
   // cause of the probe; `seed` draws the random signs. False if the Jacobian is singular.
   [[nodiscard]] bool perturb(Pack& pack, const double* const (&state)[3], Probes probes, std::uint64_t seed);
+
+  // The same at a limit.
+  void perturb(const Pack& pack, const PackLimit& limit, const double* const (&state)[3], Probes probes,
+               std::uint64_t seed) const;
 
   // Computes the changes of the unknowns that follow from changes of the inputs, to first order. changes: arrays in the
   // layout of the state. False if the Jacobian is singular.

@@ -5,6 +5,7 @@
 #include "index.hpp"
 #include "numbers.hpp"
 #include "planning/small_steps.hpp"
+#include "scene/residual_scale.hpp"
 
 namespace assur {
 
@@ -44,6 +45,7 @@ void GroupSolver::bind_lane(const System& system, const Group& group, Pack& pack
 
 Status GroupSolver::solve(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters,
                           StepErrors& errors) {
+  if (attempt.branch == Attempt::Branch::limit) return take(*attempt.limit, pack, state, counters, errors);
   if (Status s; small_step_ && small_step(pack, state, attempt, counters, errors, s)) return s;
   solver_.choose(pack);
   pack.kept.factors_of = attempt.number;
@@ -56,6 +58,17 @@ Status GroupSolver::solve(Pack& pack, double* const (&state)[3], const Attempt& 
     small_step_->choose_pivots(pack, state[0]);
   }
   return guard_.check(pack, state, attempt, counters);
+}
+
+Status GroupSolver::take(const PackLimit& limit, const Pack& pack, double* const (&state)[3], Counters& counters,
+                         StepErrors& errors) {
+  const std::size_t size = work_.size();
+  for (std::size_t d = 0; d < 3; ++d) std::copy_n(limit.values.data() + d * size, size, state[d] + pack.unknowns);
+  counters.group_solutions += pack.used;
+  const double left = step_.residual_of(pack, state[0]);
+  if (!(left <= kConsistent)) return pack.failed(Code::not_converged, left, 0);
+  errors.position = std::max(errors.position, left);
+  return {};
 }
 
 bool GroupSolver::small_step(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters,

@@ -67,12 +67,18 @@ class GroupSolver {
   [[nodiscard]] bool perturb(Pack& pack, const double* const (&state)[3], Probes probes, std::uint64_t seed) {
     return probe_.perturb(pack, state, probes, seed);
   }
+  void perturb(const Pack& pack, const PackLimit& limit, const double* const (&state)[3], Probes probes,
+               std::uint64_t seed) {
+    probe_.perturb(pack, limit, state, probes, seed);
+  }
   [[nodiscard]] bool follow(Pack& pack, const double* posture, std::span<double* const> changes) {
     return probe_.follow(pack, posture, changes);
   }
   [[nodiscard]] GroupHealth examine(Pack& pack, const double* state) { return probe_.examine(pack, state); }
 
  private:
+  [[nodiscard]] Status take(const PackLimit& limit, const Pack& pack, double* const (&state)[3], Counters& counters,
+                            StepErrors& errors);
   // Tries the step in registers; false if it does not apply.
   [[nodiscard]] bool small_step(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters,
                                 StepErrors& errors, Status& status);

@@ -5,9 +5,11 @@
 #include <utility>
 
 #include "assur/status.hpp"
+#include "decimal.hpp"
 #include "group/step_rules.hpp"
 #include "index.hpp"
 #include "numbers.hpp"
+#include "scene/names.hpp"
 #include "scene/residual_scale.hpp"
 
 namespace assur {
@@ -20,6 +22,23 @@ constexpr int kExpandAfter = 4;  // rejected attempts in a row; then all rates a
 bool worth_halving(Code code) {
   return code == Code::branch_unknown || code == Code::not_converged || code == Code::singular ||
          code == Code::not_finite;
+}
+
+// Where to start instead of a posture at which branches cross.
+std::string start_beside(const System& system, double time) {
+  constexpr double kBeside = 0.1;  // rad, or characteristic lengths
+  std::string example;
+  for (const DriverInput& in : system.inputs) {
+    if (in.laws.size() != 1) continue;
+    const Motion now = in.laws[0](time);
+    const std::string unit = in.kind == DriverInput::Kind::direction ? " rad" : in.dimension == 1 ? " m" : "";
+    const double here = now.value - in.zero, by = std::copysign(kBeside * system.unit(in.dimension), now.rate);
+    example = ", for example with " + in_quotes(system.drivers[idx(in.driver)]) + " at " + general(here + by, 6) +
+              unit + " instead of " + general(here, 6) + unit;
+    if (now.rate != 0) break;
+  }
+  return "; branches cross there: draw the mechanism in another posture of its motion" + example +
+         ", and begin the law there, too";
 }
 
 }  // namespace
@@ -48,6 +67,7 @@ Continuation::Continuation(const Prepared& prepared, const StepLimits& limits, R
     follow(limit_watch_->turns());
   }
   passing_.assign(packs_.size(), 0);
+  passed_ = passing_;
   lacks_rates_ = std::any_of(structure_.classes.begin(), structure_.classes.end(),
                              [](const GroupClass& c) { return c.derivatives == 0 || c.first_wanted > 0; });
 }
@@ -84,6 +104,7 @@ void Continuation::start(double time, const std::vector<double>& posture, const 
   stands_still_ = false;
   any_turn_ = true;
   bows_.clear();
+  drop_limit();
   state_.clear();
   for (std::size_t c = 0; c < layout_.address.size(); ++c) {
     if (layout_.address[c] >= 0) state_.at(0)[layout_.address[c]] = posture[c];
@@ -92,11 +113,20 @@ void Continuation::start(double time, const std::vector<double>& posture, const 
   StepErrors errors;
   const Status s = solve_at(now_, Attempt::Branch::start, errors);
   if (!s.ok()) {
+    const std::size_t at_fault = failed_pack_;
+    const auto branches_cross = [&] {
+      if (at_fault == packs_.size()) return false;
+      double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
+      Pack& pack = packs_[at_fault];
+      return levels_.solver(pack).diagnose(pack, q).status.code == Code::change_point_passed;
+    };
     const std::string group = s.where.is(Place::Kind::group) ? " in group " + structure_.name_of(s.where) : "";
     throw Error(Error::Kind::numerical,
                 "the start posture has no " + std::string(s.code == Code::singular ? "velocities" : "solution") + ": " +
                     std::string(name(s.code)) + group +
-                    (s.code == Code::singular ? "; the Jacobian is singular there, start elsewhere on the path" : ""));
+                    (s.code != Code::singular ? ""
+                     : branches_cross()       ? start_beside(system_, now_)
+                                              : "; the Jacobian is singular there, start elsewhere on the path"));
   }
   for (AngleTurns* const turns : turns_) turns->start(state_.at(0));
   turn_guessed_ = false;
@@ -139,6 +169,9 @@ void Continuation::save(Snapshot& into, bool in_step) const {
   for (std::size_t i = 0; i < turns_.size(); ++i) turns_[i]->save(into.turns[i]);
   if (limit_watch_) limit_watch_->save(into.limits);
   into.bows = bows_.measured();
+  into.limit_at = limit_at_;
+  into.pack_limits.clear();
+  if (!std::isnan(limit_at_)) into.pack_limits = layout_.limits;
 }
 
 bool Continuation::fits(const Snapshot& from) const {
@@ -168,6 +201,9 @@ void Continuation::restore(const Snapshot& from) {
   for (std::size_t i = 0; i < turns_.size(); ++i) turns_[i]->restore(from.turns[i]);
   if (limit_watch_) limit_watch_->restore(from.limits, now_);
   bows_.restore(from.bows);
+  drop_limit();
+  if (!from.pack_limits.empty()) layout_.limits = from.pack_limits;
+  limit_at_ = from.limit_at;
   wants_reselection_ = false;
 }
 
@@ -295,7 +331,11 @@ Status Continuation::solve_packs(double t, Attempt::Branch branch, double conver
   const auto attempt = [&](std::size_t p) {
     Attempt a = usual;
     if (inside && packs_[p].level > 0) a.iterations = limits_.iterations;
-    if (inside && passing_[p] != 0) {
+    const bool has_limit = layout_.limits[p].exists();
+    if (inside && has_limit && t == limit_at_) {
+      a.branch = Attempt::Branch::limit;
+      a.limit = &layout_.limits[p];
+    } else if (inside && (has_limit || passing_[p] != 0)) {
       a.branch = Attempt::Branch::pass;
       a.converged = kConverged;
       const GroupSolver& s = levels_.solver(packs_[p]);
@@ -319,7 +359,7 @@ Status Continuation::solve_packs(double t, Attempt::Branch branch, double conver
 
 // Solves the groups of all levels at once. False: the attempt must be solved level after level.
 bool Continuation::solve_together(const Attempt& attempt, StepErrors& errors) {
-  const bool usual = limits_.iterations == 0 && !expands_ &&
+  const bool usual = limits_.iterations == 0 && !expands_ && std::isnan(limit_at_) &&
                      std::all_of(passing_.begin(), passing_.end(), [](std::uint8_t passes) { return passes == 0; });
   if (!usual || deadline_passed()) return false;
   double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
@@ -387,6 +427,7 @@ void Continuation::tell(const Status& stopped, double target) {
 }
 
 void Continuation::accept(double t, const StepErrors& errors) {
+  if (t != limit_at_ && !std::isnan(limit_at_)) drop_limit();
   state_.accept(t);
   inputs_.accept();
   for (AngleTurns* const turns : turns_) turns->accept(t - now_);
@@ -422,6 +463,7 @@ Status Continuation::step_to(double t, bool may_reselect, Stride& stride) {
   } catch (...) {  // from a law or a callback
     std::fill(passing_.begin(), passing_.end(), 0);
     passes_ = false;
+    inputs_.follow();
     tell_before_dividing();
     end_step(Inputs::End::failed);
     throw;
@@ -436,6 +478,8 @@ Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
   any_turn_ = turn_guessed_ = expands_ = false;
   shortest_ = first;
   approach_.clear();
+  largest_correction_ = kSureOfBranch;
+  if (on_change_point()) expand();
   int in_a_row = 0;  // attempts that were rejected; from kExpandAfter on the count is kept
   for (bool is_first = true; now_ != t; is_first = false) {
     if (!is_first && limits_.stop && limits_.stop()) return {Code::interrupted, {}, now_};

@@ -82,6 +82,8 @@ class Continuation {
     std::vector<AngleTurns::Snapshot> turns;
     LimitWatch::Snapshot limits;
     Bows::Measured bows;
+    double limit_at = kNan;
+    std::vector<PackLimit> pack_limits;
   };
   // Allocates no memory if `into` holds a snapshot of the same plan. in_step: the call comes within a step that has not
   // left its first posture; the snapshot is then the state before the step.
@@ -130,6 +132,8 @@ class Continuation {
   [[nodiscard]] const double* at(int d) const { return state_.at(d); }
   // True if an angle of the last step passed so close to a point without direction that its turn is a guess.
   [[nodiscard]] bool turn_guessed() const { return turn_guessed_; }
+  // True if the current posture is a limit: no linear system there gives rates.
+  [[nodiscard]] bool on_change_point() const { return now_ == limit_at_; }
   [[nodiscard]] const StepErrors& errors() const { return last_errors_; }
   // The limited quantities, as in Prepared::start_limits.
   [[nodiscard]] std::vector<double> limited() const {
@@ -145,6 +149,8 @@ class Continuation {
  private:
   static constexpr int kStepHalvings = 20;  // a step is halved down to 2^-20, then its failure is examined
   static constexpr double kSmallestStep = 1.0 / (1 << kStepHalvings);
+  // Largest first correction behind a change point, over the distance of the branches, which is that of the move.
+  static constexpr double kSureOfBranch = 1e-3;
   static constexpr int kMostRejected = 10000;  // attempts at one step for any reason
 
   void repeat_in_idle_lanes();
@@ -180,7 +186,10 @@ class Continuation {
   [[nodiscard]] std::pair<double, double> fold_between(double target, double t);
   [[nodiscard]] bool pass(double target, double t, double first);
   [[nodiscard]] bool is_avoided(double h, double first);
-  [[nodiscard]] bool pass_by(double reach, double target, double t);
+  [[nodiscard]] bool pass_by(double reach, double smallest, double to);
+  [[nodiscard]] bool arrive_on_change_point(double t, double smallest);
+  [[nodiscard]] bool find_limit(double t, double reach, double smallest, std::vector<PackLimit>& limits);
+  void drop_limit();
   [[nodiscard]] bool walk(double until, double h, double change);
   void record(Event event, double step);
 
@@ -207,11 +216,13 @@ class Continuation {
   double largest_coefficient_ = 0, poor_ = kPoorSet;  // of the watched equations; the limit for a poor set
   std::int64_t measured_at_ = -1;                     // branch check of that coefficient
   double converged_ = kConverged;
-  StepErrors last_errors_;             // of the last accepted posture
-  std::vector<std::uint8_t> passing_;  // packs: 1 while the pack passes a change point
+  StepErrors last_errors_;                      // of the last accepted posture
+  std::vector<std::uint8_t> passing_, passed_;  // packs: 1 while the pack passes a change point; those of the last pass
   double now_ = 0;
   std::int64_t attempts_ = 0, rejected_ = 0;
   double last_before_pass_ = 0;
+  double beyond_ = 0;       // a time behind the crossing that was found last
+  double limit_at_ = kNan;  // time of the posture whose packs hold limits; NaN: none does
   std::optional<LimitWatch> limit_watch_;
   bool passes_ = false;             // a change point is being passed: limits are checked afterwards
   std::vector<AngleTurns*> turns_;  // of outputs and limits

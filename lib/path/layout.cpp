@@ -135,6 +135,7 @@ Layout lay_out(const Prepared& prepared) {
       solver.bind_lane(system, g, pack, static_cast<int>(lane));
     }
   }
+  out.limits.resize(out.packs.size());
   return out;
 }
 
@@ -172,6 +173,7 @@ Layout lay_out_side_by_side(const Prepared& prepared, int lanes) {
     pack.input_rows = input_rows(pack.inputs, structure.groups[g].inputs.size(), w);
     out.solvers[idx(pack.group_class)]->size(pack);
   }
+  out.limits.resize(out.packs.size());
   return out;
 }
 

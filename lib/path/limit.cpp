@@ -28,8 +28,7 @@ constexpr double kManyRoundings = 256;  // of the inputs: closer to a fold, resi
 constexpr double kRoomOfBranch = 4;     // for the way up to a fold
 constexpr int kMoreHalvings = 6;        // halvings of the shortest step on the way back from a change point
 constexpr double kApart = 1.0 / 16;  // part of that reach: least distance from the change point to the end of the step
-constexpr double kSureOfBranch = 1e-3;  // largest correction over the distance of the branches
-constexpr double kLittleLever = 1e-3;   // a lever below this part of its value at the start is about to vanish
+constexpr double kLittleLever = 1e-3;  // a lever below this part of its value at the start is about to vanish
 
 }  // namespace
 
@@ -63,11 +62,14 @@ Status Continuation::at_the_limit(const Status& failed, double target, double t,
     any_turn_ = false;
     return {};
   }
-  if (found.code == Code::change_point_passed && !pass(target, t, first)) found.code = Code::branch_unknown;
+  if (found.code == Code::change_point_passed && !arrive_on_change_point(t, target - now_) && !pass(target, t, first)) {
+    found.code = Code::branch_unknown;
+  }
   const bool unclear = failed.code == Code::not_converged && found.figure > 0.05;
   if (found.code == Code::branch_unknown && (failed.code == Code::not_finite || unclear)) found = failed;
   const bool passed = found.code == Code::change_point_passed;
   double from = passed ? last_before_pass_ : now_, until = passed ? now_ : target;
+  if (passed && on_change_point() && std::abs(beyond_ - from) > std::abs(until - from)) until = beyond_;
   if (found.code == Code::limit_reached) std::tie(from, until) = fold_between(target, t);
   any_turn_ = false;
   record({from, until, structure_.name_of(found.where.is(Place::Kind::group) ? found.where : failed.where), found.code,
@@ -121,7 +123,7 @@ bool Continuation::turns_back(Singularity here) {
 // the start of a pass, because another singularity there would spoil the parabolas.
 bool Continuation::is_avoided(double h, double first) {
   const std::size_t at_fault = failed_pack_;
-  const double change = now_;
+  const double change = beyond_ = now_;
   std::array<double, 4> way{}, square{};
   std::size_t looks = 0;
   std::int32_t block = -1;
@@ -143,6 +145,10 @@ bool Continuation::is_avoided(double h, double first) {
   state_.restore();
   failed_pack_ = at_fault;
   if (!same) return false;
+  // The value falls in proportion to the distance.
+  const double near_value = std::sqrt(square[0]), far_value = std::sqrt(square[1]);
+  const double distance = (near_value * way[1] - far_value * way[0]) / (far_value - near_value);
+  if (distance > 0) beyond_ = change + std::copysign(2 * distance, h);
   const auto least = [&](std::size_t i) {  // of the parabola through three postures
     const double near = (square[i + 1] - square[i]) / (way[i + 1] - way[i]);
     const double far = (square[i + 2] - square[i + 1]) / (way[i + 2] - way[i + 1]);
@@ -215,17 +221,18 @@ std::pair<double, double> Continuation::fold_between(double target, double t) {
 bool Continuation::pass(double target, double t, double first) {
   const std::size_t failed = failed_pack_;
   for (int longer = 0; longer <= kLonger; longer += kLonger / 2) {
-    if (pass_by(std::copysign(std::ldexp(first, kReach + longer), target - now_), target, t)) return true;
+    const double reach = std::copysign(std::ldexp(first, kReach + longer), target - now_);
+    const double to = std::abs(t - now_) <= std::abs(reach) ? t : now_ + reach;
+    if (pass_by(reach, target - now_, to)) return true;
     failed_pack_ = failed;
   }
   return false;
 }
 
-bool Continuation::pass_by(double reach, double target, double t) {
+bool Continuation::pass_by(double reach, double smallest, double to) {
   last_before_pass_ = now_;
   const std::size_t at_its_change_point = failed_pack_;
-  const double change = now_, smallest = target - now_;
-  const double to = std::abs(t - change) <= std::abs(reach) ? t : change + reach;
+  const double change = now_;
   bool passed = false, walked = std::abs(to - change) >= kApart * std::abs(reach);
   State::Way way;
   for (const double part : {1.0 / 4, 2.0 / 4, 3.0 / 4, 1.0}) {
@@ -242,6 +249,7 @@ bool Continuation::pass_by(double reach, double target, double t) {
       if (failed_pack_ == packs_.size() || passing_[failed_pack_] != 0) break;
       passing_[failed_pack_] = 1;
     }
+    passed_ = passing_;
     std::fill(passing_.begin(), passing_.end(), 0);
     over_ = nullptr;
   }

@@ -199,6 +199,19 @@ void DriveProgram::replace(std::int32_t slot, const Motion& motion) {
   jets_[2][idx(slot)] = motion.acceleration * scale;
 }
 
+void DriveProgram::keep_expansion() {
+  for (std::size_t d = 0; d < 3; ++d)
+    kept_[d].assign(jets_[d].begin(), jets_[d].begin() + static_cast<std::ptrdiff_t>(laws_));
+}
+
+void DriveProgram::expand(double seconds) {
+  for (std::size_t i = 0; i < laws_; ++i) {
+    jets_[0][i] = kept_[0][i] + seconds * (kept_[1][i] + seconds / 2 * kept_[2][i]);
+    jets_[1][i] = kept_[1][i] + seconds * kept_[2][i];
+    jets_[2][i] = kept_[2][i];
+  }
+}
+
 void DriveProgram::move_only(std::int32_t slot) {
   for (std::size_t i = 0; i < laws_; ++i) jets_[1][i] = jets_[2][i] = 0;
   jets_[1][idx(slot)] = scale_[idx(slot)];

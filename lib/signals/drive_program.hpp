@@ -34,6 +34,9 @@ class DriveProgram {
   // Evaluates all laws at time t.
   void evaluate(double t);
   void replace(std::int32_t slot, const Motion& motion);  // SI units
+  // Keeps all laws at hand. expand() then gives their second-order expansions, `seconds` later.
+  void keep_expansion();
+  void expand(double seconds);
   // Leaves the values of all laws, and lets this one alone change, by one SI unit per second.
   void move_only(std::int32_t slot);
   // Leaves the values of all laws, and lets them change by these rates, internal units. rates: laws()
@@ -118,6 +121,7 @@ class DriveProgram {
   std::vector<double> scale_;            // laws: internal units in one SI unit, a power of two
   std::vector<double> base_;             // laws, padded: constant part
   std::vector<double> jets_[3];          // slots: value, rate, acceleration
+  std::vector<double> kept_[3];          // laws, see keep_expansion()
   std::vector<double> sines_, cosines_;  // angles, padded
   std::vector<std::uint8_t> held_;       // laws
   std::vector<HarmonicBlock> harmonics_;

@@ -117,13 +117,28 @@ void Inputs::compile(const Driven& driven) {
   }
 }
 
-Status Inputs::drive(double t, double* const (&state)[3]) {
+// All laws and targets at time t.
+void Inputs::evaluate(double t) {
   for (const Control& c : controls_) {
     if (c.slot >= 0) program_.hold(c.slot, c.set);
   }
   program_.evaluate(t);
   for (const Control& c : controls_) {
     if (c.slot >= 0 && c.set) program_.replace(c.slot, blend(c.from, c.to, c.start, c.end, t));
+  }
+}
+
+void Inputs::expand_about(double t) {
+  evaluate(t);
+  program_.keep_expansion();
+  expanded_about_ = t;
+}
+
+Status Inputs::drive(double t, double* const (&state)[3]) {
+  if (std::isnan(expanded_about_)) {
+    evaluate(t);
+  } else {
+    program_.expand(t - expanded_about_);
   }
   program_.place(state);
   if (!program_.defined()) return {DriveProgram::why_undefined(system_, t), {}, t};

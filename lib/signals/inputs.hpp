@@ -46,6 +46,10 @@ class Inputs {
   // Writes the known coordinates at time t; state[d]: d-th derivative, indexed by coordinate.
   [[nodiscard]] Status drive(double t, double* const (&state)[3]);
 
+  // From now on, drive() follows the second-order expansions of all laws and targets about time t, until follow().
+  void expand_about(double t);
+  void follow() { expanded_about_ = kNan; }
+
   // After drive(): sets the derivatives of the known coordinates by the value of a controlled driver, in SI units, as
   // state[1].
   void differentiate(std::size_t control, double* const (&state)[3]);
@@ -121,9 +125,11 @@ class Inputs {
  private:
   void add_control(std::string name, std::size_t input, int law);
   void compile(const Driven& driven);
+  void evaluate(double t);
 
   const System& system_;
   DriveProgram program_;
+  double expanded_about_ = kNan;  // NaN: laws and targets are followed
   std::vector<Lever> levers_;
   std::vector<double> accepted_angles_;
   std::vector<double> bows_;      // laws

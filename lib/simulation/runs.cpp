@@ -152,6 +152,9 @@ bool Simulator::run_in_chunks(std::span<const double> times, const Observer& obs
     if (!reach(times[row])) {
       return refuse("start postures were found only up to t = " + std::to_string(impl_->motion.time()) + " s");
     }
+    if (impl_->motion.on_change_point()) {
+      return refuse("one of them would begin on a change point, at t = " + std::to_string(times[row]) + " s");
+    }
     starts.push_back(
         {impl_->structure.system, impl_->motion.posture(), impl_->motion.time(), impl_->prepared.reselect});
   }

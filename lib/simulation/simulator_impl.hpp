@@ -174,7 +174,8 @@ struct Simulator::Impl {
   Status check_accuracy(double from) {
     const double* const q[3] = {motion.at(0), motion.at(1), motion.at(2)};
     const double* const divided_by = divisors.data();
-    if (estimate.due(report.counters.branch_checks, q, motion.errors().worst(), {&divided_by, 1})) judge();
+    const bool due = estimate.due(report.counters.branch_checks, q, motion.errors().worst(), {&divided_by, 1});
+    if (due || motion.on_change_point()) judge();
     return verdict.ok() && !motion.turn_guessed() ? Status{} : tell_verdict(from);
   }
 
