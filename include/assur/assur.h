@@ -142,10 +142,10 @@ int32_t assur_simulator_driver(const assur_simulator* simulator, const char* nam
 
 /* Sets the target of a controlled driver for the next step: value, rate and acceleration. */
 int32_t assur_simulator_set(assur_simulator* simulator, size_t driver, double value, double rate, double acceleration);
-/* Moves by one step of the time grid; a step that fails returns to the state before it. status: may be NULL. Returns
-   its code. */
+/* Moves by one step of the time grid, or by 1 s if there is no time grid. A step that fails returns to the state before
+   it and drops its targets. status: may be NULL. Returns its code. */
 int32_t assur_simulator_step(assur_simulator* simulator, assur_status* status);
-/* Moves to time t, s. If this fails, the simulator keeps the last good posture on the way. */
+/* Moves to time t, s. If this fails, the simulator keeps the last good posture on the way and drops the targets. */
 int32_t assur_simulator_step_to(assur_simulator* simulator, double t, assur_status* status);
 /* 1 if a step with this outcome reached its time: ASSUR_OK or ASSUR_INACCURATE; else 0. */
 int32_t assur_arrived(int32_t code);

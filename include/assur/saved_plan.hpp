@@ -28,10 +28,10 @@ struct LoadOptions {
 // plan uses the same strategies; with the same version of assur on the same kind of processor the motion is the same
 // bit by bit. Some parts of Prepared are missing. Without `scene`, forward_error() and certify() refuse the plan.
 // Without `reselect`, redundant equations are not chosen anew: near their singularities the run passes a change point
-// with an event, or ends with a status. Parts that stand still have no equations, so that their errors are not
-// estimated. `structure` lacks the members that are only for people. Throws Error: input if the text is not a saved
-// plan, has another format version, is truncated or altered, or if the budget has no thread; environment if `in` fails,
-// or if a backend of the plan is not in the table, cannot run here, or needs more threads (Q) than the budget has.
+// with an event, or ends with a status. `structure` lacks the members that are only for people. Throws Error: input if
+// the text is not a saved plan, has another format version, is truncated or altered, or if the budget has no thread;
+// environment if `in` fails, or if a backend of the plan is not in the table, cannot run here, or needs more threads
+// (Q) than the budget has.
 [[nodiscard]] Prepared load_plan(std::istream& in, const LoadOptions& options = {});
 
 }  // namespace assur

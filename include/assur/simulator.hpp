@@ -165,8 +165,8 @@ class Simulator {
   // the way, at time(); targets are dropped, and each driver that has ever been set, also if this step was its
   // first, rests there until its next target.
   // Code::inaccurate is not a failure: time t is reached, and an event gives the estimated error. If t is time(),
-  // nothing happens and targets wait; if t is not finite, the step fails as not_finite, nothing moves, and targets
-  // wait. Exceptions from laws and callbacks propagate, and leave the last good posture as well.
+  // nothing happens and targets wait; if t is not finite, the step fails as not_finite. Exceptions from laws and
+  // callbacks propagate, and leave the simulator like any failure.
   Status step(double t);
 
   // Sets the target of a controlled driver (PrepareOptions::controlled) for the next step: value, rate and acceleration
@@ -190,10 +190,10 @@ class Simulator {
   [[nodiscard]] std::vector<std::string> drivers() const;
 
   // Moves from time() by TimeGrid::step to the targets that were set, also beyond the end of the grid; other drivers
-  // follow their laws. Without a time grid it does nothing: it returns ok, and targets wait. A step that fails restores
-  // the state before it (as save() holds it, with time and rates) and drops its targets: a driver whose first set() was
-  // for this step follows its law again; status and events give the reason, and how far the mechanism could move. An
-  // exception from a law or callback propagates and restores the state, too. Near a limit a driver may overshoot: if a
+  // follow their laws. If the scene has no time grid, it moves by 1 s. A step that fails restores the state before it
+  // (as save() holds it, with time and rates) and drops its targets: a driver whose first set() was for this step
+  // follows its law again; status and events give the reason, and how far the mechanism could move. An exception from a
+  // law or callback propagates and restores the state, too. Near a limit a driver may overshoot: if a
   // step fails while controlled drivers move, it is tried again, unless it ended as deadline or interrupted: all
   // controlled drivers stop at once at the begin of the step, and move from rest to the same targets. The second try
   // has a deadline of its own. If it succeeds, the status is that of the second try, and only Counters::rejected shows

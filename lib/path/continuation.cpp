@@ -98,10 +98,9 @@ void Continuation::start(double time, const std::vector<double>& posture, const 
   if (before != nullptr) inputs_.take(before->inputs_.controls());
   watched_level_ = 0;
   poor_ = kPoorSet;
-  measured_at_ = -1;
+  measured_at_ = kNeverMeasured;
   restart_solvers();
   converged_ = kConverged;
-  stands_still_ = false;
   any_turn_ = true;
   bows_.clear();
   drop_limit();
@@ -160,9 +159,11 @@ void Continuation::save(Snapshot& into, bool in_step) const {
   into.converged = converged_;
   into.time = now_;
   into.selected_at = selected_at_;
-  into.stands_still = stands_still_;
+  into.turn_guessed = turn_guessed_;
   into.watched_level = watched_level_;
   into.poor = poor_;
+  into.largest_coefficient = largest_coefficient_;
+  into.since_measured = measured_at_ < 0 ? kNeverMeasured : report_.counters.branch_checks - measured_at_;
   into.levers = levers_;
   into.angles = inputs_.accepted_angles();
   into.turns.resize(turns_.size());
@@ -192,10 +193,11 @@ void Continuation::restore(const Snapshot& from) {
   converged_ = from.converged;
   report_.reached = now_ = from.time;
   selected_at_ = from.selected_at;
-  stands_still_ = from.stands_still;
+  turn_guessed_ = from.turn_guessed;
   watched_level_ = from.watched_level;
   poor_ = from.poor;
-  measured_at_ = -1;
+  largest_coefficient_ = from.largest_coefficient;
+  measured_at_ = from.since_measured < 0 ? kNeverMeasured : report_.counters.branch_checks - from.since_measured;
   levers_ = from.levers;
   inputs_.accept(from.angles);
   for (std::size_t i = 0; i < turns_.size(); ++i) turns_[i]->restore(from.turns[i]);
@@ -208,8 +210,15 @@ void Continuation::restore(const Snapshot& from) {
 }
 
 bool Continuation::ask_again_from_rest() {
-  stands_still_ = inputs_.ask_again_from_rest();
-  return stands_still_;
+  if (!inputs_.ask_again_from_rest(now_)) return false;
+  state_.stand_still();
+  return true;
+}
+
+void Continuation::rest() {
+  if (!inputs_.stop(now_)) return;
+  state_.stand_still();
+  state_.restore();
 }
 
 void Continuation::tell_before_dividing() {
@@ -449,26 +458,26 @@ Status Continuation::step_to(double t, bool may_reselect, Stride& stride) {
   divided_ = false;
   if (t == now_) return {};
   if (const Status s = check_aim(t); !s.ok()) return s;
-  if (std::exchange(stands_still_, false)) state_.stand_still();
   if (limits_.seconds > 0) {
     constexpr double kLongestTime = 1e9;  // 30 years; the clock counts nanoseconds up to 300
     deadline_ =
         std::chrono::steady_clock::now() + std::chrono::duration_cast<std::chrono::steady_clock::duration>(
                                                std::chrono::duration<double>(std::min(limits_.seconds, kLongestTime)));
   }
-  inputs_.begin_step(now_, t);
   Status status;
   try {
+    inputs_.begin_step(now_, t);
     status = advance(t, may_reselect, stride);
   } catch (...) {  // from a law or a callback
     std::fill(passing_.begin(), passing_.end(), 0);
-    passes_ = false;
+    passes_ = wants_reselection_ = false;
+    over_ = nullptr;
     inputs_.follow();
     tell_before_dividing();
-    end_step(Inputs::End::failed);
+    end_step(false);
     throw;
   }
-  end_step(status.ok() ? Inputs::End::arrived : wants_reselection_ ? Inputs::End::goes_on : Inputs::End::failed);
+  end_step(status.ok());
   return status;
 }
 
@@ -552,10 +561,10 @@ Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
 }
 
 // If a step did not arrive, the last good posture is kept, which may lie on its way.
-void Continuation::end_step(Inputs::End end) {
-  if (end != Inputs::End::arrived) state_.restore();
-  stands_still_ = inputs_.end_step(now_, end);
-  if (end == Inputs::End::arrived) ++report_.counters.steps;
+void Continuation::end_step(bool arrived) {
+  if (!arrived) state_.restore();
+  inputs_.end_step(now_, wants_reselection_);
+  if (arrived) ++report_.counters.steps;
 }
 
 bool Continuation::polish(double converged) {
@@ -575,7 +584,10 @@ bool Continuation::polish(double converged) {
 
 // Checks the target. A driver whose target is not finite is named in an event, and nothing moves.
 Status Continuation::check_aim(double t) {
-  if (!std::isfinite(t)) return {Code::not_finite, {}, t};
+  if (!std::isfinite(t)) {
+    inputs_.drop_pending();
+    return {Code::not_finite, {}, t};
+  }
   double value = 0;
   const std::string* const driver = inputs_.not_finite(value);
   if (driver == nullptr) return {};

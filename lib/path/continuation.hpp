@@ -67,6 +67,7 @@ class Continuation {
   void start(double time, const std::vector<double>& posture, const Continuation* before = nullptr);
 
   // State that determines the next steps.
+  static constexpr std::int64_t kNeverMeasured = -1;
   struct Snapshot {
     State state;
     Inputs::Controls controls;
@@ -75,8 +76,9 @@ class Continuation {
     double converged = kConverged;
     double time = 0;
     double selected_at = kNan;
-    bool stands_still = false;
-    double watched_level = 0, poor = 0;
+    bool turn_guessed = false;
+    double watched_level = 0, poor = 0, largest_coefficient = 0;
+    std::int64_t since_measured = kNeverMeasured;  // branch checks since that coefficient was measured
     std::vector<Lever> levers;
     std::vector<double> angles;  // of the drivers
     std::vector<AngleTurns::Snapshot> turns;
@@ -98,9 +100,11 @@ class Continuation {
   void restart_solvers();
   // `call` is called once in a step, at the posture where the step began, before the step is divided or fails.
   void before_dividing(std::function<void()> call) { before_dividing_ = std::move(call); }
-  // After restore() of a snapshot within a step: prepares to repeat the step with controlled drivers that begin at
-  // rest. False if they were at rest, or if no driver is controlled.
+  // After restore() of the begin of a step: prepares to repeat the step with controlled drivers that begin at rest.
+  // False, with nothing changed, if they were at rest, or if no driver is controlled.
   [[nodiscard]] bool ask_again_from_rest();
+  // After a step that failed: all drivers that were set stand still, and targets are dropped.
+  void rest();
 
   // Rejected attempts at the current step. After 10,000 the step fails as branch_unknown. The first part of a step
   // begins to count at 0; further parts continue.
@@ -172,7 +176,7 @@ class Continuation {
   [[nodiscard]] bool deadline_passed() const;
   [[nodiscard]] Status check_aim(double t);
   [[nodiscard]] Status advance(double t, bool may_reselect, Stride& stride);
-  void end_step(Inputs::End end);
+  void end_step(bool arrived);
   void predict(double target);
   void expand();
   [[nodiscard]] Status try_step(double target, Attempt::Branch branch);
@@ -214,7 +218,7 @@ class Continuation {
   double watched_level_ = 0;  // smallest relative residual that the watched equations can reach
   std::optional<Independence> independence_;
   double largest_coefficient_ = 0, poor_ = kPoorSet;  // of the watched equations; the limit for a poor set
-  std::int64_t measured_at_ = -1;                     // branch check of that coefficient
+  std::int64_t measured_at_ = kNeverMeasured;         // branch check of that coefficient
   double converged_ = kConverged;
   StepErrors last_errors_;                      // of the last accepted posture
   std::vector<std::uint8_t> passing_, passed_;  // packs: 1 while the pack passes a change point; those of the last pass
@@ -235,8 +239,7 @@ class Continuation {
   std::vector<Singularity> approach_;
   double largest_correction_ = 0;  // of a step through a change point, relative to the predicted move
   std::function<void()> before_dividing_;
-  bool divided_ = false;       // the current step was divided, or it failed
-  bool stands_still_ = false;  // the mechanism rests at the current posture, until a driver moves again
+  bool divided_ = false;  // the current step was divided, or it failed
   bool wants_reselection_ = false;
   double selected_at_ = kNan;    // time of the last reselection that was tried
   std::size_t failed_pack_ = 0;  // of the last attempt; the number of packs: none

@@ -91,9 +91,10 @@ class LimitWatch {
     into.bows = bows_;
   }
   void restore(const Snapshot& from, double time) {
-    now_ = from.row;
+    next_ = from.row;
     bows_ = from.bows;
-    now_time_ = time;
+    next_time_ = time;
+    accept();
   }
 
   [[nodiscard]] Event event(const Change& change) const;

@@ -37,6 +37,7 @@ class Check {
     coordinates();
     forms();
     items();
+    equations_of_system();
     measures();
     bounds();
     inputs();
@@ -79,6 +80,10 @@ class Check {
       part("coordinates", c);
       const Role role = system_.coordinates[c].role;
       require(c == 0 ? role == Role::one : role == Role::driven || role == Role::unknown, "the role");
+      const Coordinate& of = system_.coordinates[c];
+      require(of.item == -1 || within(of.item, system_.items.size()), "the item");
+      require(-1 <= of.component && (of.component < system_.dimension || role == Role::driven), "the component");
+      require_power(of.dimension);
     }
     known_.assign(size, 0);
     for (std::size_t c = 0; c < size; ++c) known_[c] = system_.coordinates[c].role != Role::unknown;
@@ -103,6 +108,27 @@ class Check {
       for (int k = 0; k < item.components; ++k) require(within(item.form[k], forms_), "the form");
       require_power(item.dimension);
     }
+  }
+
+  void equations_of_system() {
+    const auto is_form = [&](Index f) { return within(f, forms_); };
+    for (std::size_t p = 0; p < system_.products.size(); ++p) {
+      part("products", p);
+      const Product& product = system_.products[p];
+      require(is_form(product.a) && is_form(product.b), "the form");
+      require(within(product.constant, system_.constants.size()), "the constant");
+    }
+    for (std::size_t i = 0; i < system_.equations.size(); ++i) {
+      part("equations", i);
+      const Equation& e = system_.equations[i];
+      require(0 <= e.products_begin && e.products_begin <= e.products_end &&
+                  idx(e.products_end) <= system_.products.size() && (e.linear == -1 || is_form(e.linear)),
+              "the terms");
+      require(within(e.source, system_.sources.size()), "the source");
+      require(e.callback == -1 || within(e.callback, system_.callbacks.size()), "the gear");
+    }
+    part("checks");
+    require(all_within(structure_.checks, system_.equations.size()), "an equation");
   }
 
   void measures() {
@@ -267,6 +293,8 @@ class Check {
       used[idx(group.group_class)] = 1;
       const GroupClass& c = structure_.classes[idx(group.group_class)];
       require(group.unknowns.size() == idx(c.n) && all_within(group.unknowns, known_.size()), "the unknowns");
+      require(group.equations.size() == idx(c.n) && all_within(group.equations, system_.equations.size()),
+              "the equations");
       for (const Index u : group.unknowns) {
         require(known_[idx(u)] == 0 && level_[idx(u)] == kNever, "the unknowns");
         level_[idx(u)] = group.level;

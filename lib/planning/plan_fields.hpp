@@ -32,8 +32,13 @@ inline void fields(auto& a, Either<TimeGrid> auto& t) { a(t.start, t.end, t.step
 
 // ---- system
 
-inline void fields(auto& a, Either<Coordinate> auto& c) { a(c.role, c.moving); }
+inline void fields(auto& a, Either<Coordinate> auto& c) { a(c.role, c.moving, c.item, c.component, c.dimension); }
 inline void fields(auto& a, Either<Term> auto& t) { a(t.coordinate, t.constant); }
+inline void fields(auto& a, Either<Product> auto& p) { a(p.a, p.b, p.constant); }
+inline void fields(auto& a, Either<Equation> auto& e) {
+  a(e.products_begin, e.products_end, e.linear, e.source, e.callback);  // a gear has one row
+}
+inline void fields(auto& a, Either<Source> auto& s) { a(s.name); }
 inline void fields(auto& a, Either<Assignment> auto& x) { a(x.coordinate, x.form); }
 inline void fields(auto& a, Either<Item> auto& i) {
   a(i.name, i.components, i.form[0], i.form[1], i.form[2], i.dimension, i.hidden, i.fixed);
@@ -54,6 +59,9 @@ inline void fields(auto& a, Either<System> auto& s) {
   a.label("constants", s.constants);
   a.label("forms", s.form_start);
   a.label("terms", s.terms);
+  a.label("products", s.products);
+  a.label("equations", s.equations);
+  a.label("sources", s.sources);
   a.label("assignments", s.assignments);
   a.label("items", s.items);
   a.label("measures", s.measures);
@@ -101,7 +109,7 @@ inline void fields(auto& a, Either<GroupClass> auto& c) {
 }
 inline void fields(auto& a, Either<Group> auto& g) {
   a(g.name, g.of, g.level, g.group_class, g.derivatives, g.wanted_derivatives);
-  a(g.unknowns, g.inputs, g.constants);
+  a(g.unknowns, g.equations, g.inputs, g.constants);
 }
 inline void fields(auto& a, Either<Watched> auto& w) { a(w.name, w.is_length); }
 inline void fields(auto& a, Either<Structure> auto& s) {
@@ -110,6 +118,7 @@ inline void fields(auto& a, Either<Structure> auto& s) {
   a.label("groups", s.groups);
   a.label("watch", s.watch, s.watch_class);
   a.label("watched", s.watched);
+  a.label("checks", s.checks);
   a.label("static", s.static_coordinates);
   a.label("start", s.start);
 }

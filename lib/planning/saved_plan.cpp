@@ -5,6 +5,7 @@
 #include <ostream>
 #include <variant>
 
+#include "index.hpp"
 #include "parallel/machine.hpp"
 #include "planning/check_plan.hpp"
 #include "planning/plan_fields.hpp"
@@ -55,6 +56,11 @@ void add_gears(Loaded& loaded, const std::vector<SavedGear>& gears) {
   for (const SavedGear& g : gears) {
     loaded.callbacks.push_back(gear_of(g.numbers));
     loaded.system.callbacks.push_back({&loaded.callbacks.back(), g.coordinates, g.unit, -1});
+  }
+  std::vector<CallbackBlock>& blocks = loaded.system.callbacks;
+  for (std::size_t e = 0; e < loaded.system.equations.size(); ++e) {
+    const Index gear = loaded.system.equations[e].callback;
+    if (gear >= 0 && idx(gear) < blocks.size()) blocks[idx(gear)].first_equation = static_cast<Index>(e);
   }
 }
 

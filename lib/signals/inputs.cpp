@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <string>
+#include <utility>
 
 #include "numbers.hpp"
 #include "scene/jet.hpp"
@@ -220,8 +221,10 @@ void Inputs::begin_step(double now, double next) {
   for (Control& c : controls_) {
     c.was_set = c.set;
     c.was_pending = c.pending;
+    if (!c.set && c.pending) c.from = motion_by_law(c, now);
+  }
+  for (Control& c : controls_) {
     if (!c.set && !c.pending) continue;
-    if (!c.set) c.from = system_.inputs[c.input].laws[static_cast<std::size_t>(c.law)](now);
     c.to = c.pending ? c.next : Motion{c.from.value, 0, 0};  // without a new target it comes to rest at its value
     c.set = true;
     c.pending = false;
@@ -231,23 +234,32 @@ void Inputs::begin_step(double now, double next) {
   }
 }
 
-bool Inputs::end_step(double now, End end) {
-  bool stopped = false;
+void Inputs::end_step(double now, bool goes_on) {
   for (Control& c : controls_) {
     if (!c.set) continue;
-    if (end == End::goes_on && !c.pending) {
+    if (goes_on && !c.pending) {
       c.next = c.to;
       c.pending = true;
     }
-    c.from = blend(c.from, c.to, c.start, c.end, now);
-    if (end == End::failed) {  // the next step must not run into the same failure with this speed
-      stopped = stopped || c.from.rate != 0 || c.from.acceleration != 0;
-      c.from = {c.from.value, 0, 0};
-    }
-    c.to = c.from;
+    c.from = c.to = blend(c.from, c.to, c.start, c.end, now);
     c.start = c.end = now;
   }
+}
+
+bool Inputs::stop(double now) {
+  end_step(now, false);
+  drop_pending();
+  bool stopped = false;
+  for (Control& c : controls_) {
+    if (c.set) stopped = comes_to_rest(c) || stopped;
+  }
   return stopped;
+}
+
+bool Inputs::comes_to_rest(Control& c) {
+  const bool moved = c.from.rate != 0 || c.from.acceleration != 0;
+  c.from = c.to = {c.from.value, 0, 0};
+  return moved;
 }
 
 void Inputs::reset() {
@@ -263,6 +275,10 @@ void Inputs::undo_step(Controls& controls, double now) {
   }
 }
 
+void Inputs::withhold_targets(Controls& controls) {
+  for (Control& c : controls) c.was_pending = std::exchange(c.pending, false);
+}
+
 void Inputs::take(const Controls& other) {
   for (std::size_t i = 0; i < controls_.size(); ++i) {
     const std::int32_t slot = controls_[i].slot;  // simulators may differ in the drivers that they evaluate
@@ -272,16 +288,19 @@ void Inputs::take(const Controls& other) {
   length_of_bows_ = kNan;
 }
 
-bool Inputs::ask_again_from_rest() {
+bool Inputs::ask_again_from_rest(double now) {
   bool moved = false;
   for (Control& c : controls_) {
-    c.pending = c.was_pending;
-    if (!c.set && !c.pending) continue;
-    c.set = true;  // also if the driver has followed its law so far
-    moved = moved || c.from.rate != 0 || c.from.acceleration != 0;
-    c.from = c.to = {c.from.value, 0, 0};
+    if (!c.set && c.was_pending) c.from = motion_by_law(c, now);
+    if (c.set || c.was_pending) moved = moved || c.from.rate != 0 || c.from.acceleration != 0;
   }
-  return moved;
+  if (!moved) return false;
+  for (Control& c : controls_) {
+    c.pending = c.was_pending;
+    c.set = c.set || c.pending;  // also if the driver has followed its law so far
+    if (c.set) (void)comes_to_rest(c);
+  }
+  return true;
 }
 
 }  // namespace assur

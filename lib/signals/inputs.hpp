@@ -93,12 +93,13 @@ class Inputs {
   [[nodiscard]] const std::string* not_finite(double& value) const;
   // Forgets the targets of the next step.
   void drop_pending();
-  // Begins a step in which the controlled drivers run from their current motion to their targets. end_step() ends it at
-  // time `now`: after a failure the drivers stand still; goes_on keeps their targets. It returns true if a moving
-  // driver now stands still.
+  // Begins a step in which the controlled drivers run from their current motion to their targets. Exceptions from laws
+  // propagate, before anything has changed. end_step() ends the step at time `now`; goes_on: keeps the targets.
   void begin_step(double now, double next);
-  enum class End : std::uint8_t { arrived, failed, goes_on };
-  bool end_step(double now, End end);
+  void end_step(double now, bool goes_on);
+  // Ends a step that failed, also one that did not begin: all drivers that were set stand still at time `now`, without
+  // targets. It returns true if one of them was moving.
+  bool stop(double now);
   void reset();
 
   struct Control {
@@ -115,15 +116,22 @@ class Inputs {
   // State of all controlled drivers. Copies to an earlier copy allocate no memory.
   using Controls = std::vector<Control>;
   [[nodiscard]] const Controls& controls() const { return controls_; }
-  // Returns to the state before begin_step(), without the targets of that step.
+  // Copies of controls(): return to the state before begin_step(), without the targets of that step; and drop the
+  // targets of a step that has not begun. Both keep the targets for ask_again_from_rest().
   static void undo_step(Controls& controls, double now);
+  static void withhold_targets(Controls& controls);
   // Takes over the controls of another object for the same scene.
   void take(const Controls& other);
-  // After undo_step(): repeats the targets of the step, beginning at rest. False if all drivers were at rest.
-  bool ask_again_from_rest();
+  // After undo_step() or withhold_targets(): repeats the targets of the step, beginning at rest at time `now`. If all
+  // drivers were at rest it changes nothing, and returns false.
+  bool ask_again_from_rest(double now);
 
  private:
   void add_control(std::string name, std::size_t input, int law);
+  static bool comes_to_rest(Control& c);  // true if it was moving
+  [[nodiscard]] Motion motion_by_law(const Control& c, double t) const {
+    return system_.inputs[c.input].laws[static_cast<std::size_t>(c.law)](t);
+  }
   void compile(const Driven& driven);
   void evaluate(double t);
 

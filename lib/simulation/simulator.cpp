@@ -13,6 +13,8 @@
 namespace assur {
 namespace {
 
+constexpr double kStepWithoutGrid = 1;  // s, length of step() if the scene has no time grid
+
 // A quantity has left or entered its limit: undone with the step.
 bool is_passage(const Event& e) { return e.kind == Code::limit_exceeded || e.kind == Code::within_limits; }
 
@@ -38,7 +40,14 @@ Status step_of_run(Simulator& simulator, double t) {
 
 Status Simulator::step(double t) {
   impl_->drop_old_events();
-  return step_of_run(*this, t);
+  try {
+    const Status status = step_of_run(*this, t);
+    if (!status.arrived()) impl_->motion.rest();
+    return status;
+  } catch (...) {  // from a law or a callback
+    impl_->motion.rest();
+    throw;
+  }
 }
 
 Status Simulator::go_to(double t) {
@@ -52,7 +61,7 @@ Status Simulator::go_to(double t) {
     }
     status = impl_->step_to(t, false);
   }
-  if (impl_->began != nullptr) {
+  if (!impl_->undivided) {
     impl_->in_one_piece = false;
   } else if (status.ok() && t != from) {
     impl_->in_one_piece = true;
@@ -74,22 +83,25 @@ DriverHandle Simulator::driver(std::string_view name) const {
 }
 
 Status Simulator::step() {
-  const double t = impl_->motion.time() + impl_->prepared.time.step;
-  const auto go_back = [&] {
-    if (impl_->began != nullptr) Impl::restore(impl_, *impl_->began);
-  };
+  const double length = impl_->prepared.time.step;
+  const double t = impl_->motion.time() + (length > 0 ? length : kStepWithoutGrid);
   impl_->drop_old_events();
   const std::size_t events = impl_->report.events.size();
+  const auto undo = [&] {
+    std::vector<Event>& all = impl_->report.events;
+    all.erase(std::remove_if(all.begin() + static_cast<std::ptrdiff_t>(events), all.end(), is_passage), all.end());
+    if (impl_->began != nullptr) Impl::restore(impl_, *impl_->began);
+  };
   try {
-    const Status status = step_of_run(*this, t);
+    impl_->begin_step();
+    // A function of the program may throw after the step has arrived, while its errors are estimated.
+    if (!impl_->functions.empty()) impl_->keep_start_of_step(false);
+    const Status status = go_to(t);
     if (status.arrived()) return status;
-    const auto undone = impl_->report.events.begin() + static_cast<std::ptrdiff_t>(events);
-    impl_->report.events.erase(std::remove_if(undone, impl_->report.events.end(), is_passage),
-                               impl_->report.events.end());
-    go_back();
+    undo();
     // Drivers that move towards a limit may overshoot into it before they turn back.
-    const bool may_repeat = status.code != Code::deadline && status.code != Code::interrupted;
-    if (impl_->began == nullptr || !may_repeat || !impl_->motion.ask_again_from_rest()) return status;
+    const bool may_repeat = !impl_->undivided && status.code != Code::deadline && status.code != Code::interrupted;
+    if (!may_repeat || !impl_->motion.ask_again_from_rest()) return status;
     const std::size_t failed = impl_->report.events.size();
     impl_->motion.count_rejected_from(0);
     const Status again = go_to(t);
@@ -101,11 +113,11 @@ Status Simulator::step() {
       return again;
     }
     all.erase(second, all.end());
+    undo();
     impl_->report.status = status;
-    go_back();
     return status;
   } catch (...) {  // from a law or a callback
-    go_back();
+    undo();
     throw;
   }
 }

@@ -75,7 +75,10 @@ struct Simulator::Impl {
     motion.follow(turns);
     row.resize(columns.size());
     divisors.resize(outputs.measures());
-    motion.before_dividing([this] { keep_start_of_step(); });
+    motion.before_dividing([this] {
+      undivided = false;
+      keep_start_of_step(true);
+    });
     for (auto* kept : {&inside, &divided}) *kept = std::make_unique<Snapshot>();
     clear();
   }
@@ -96,6 +99,7 @@ struct Simulator::Impl {
     doubt = verdict = {};
     in_one_piece = true;
     began = nullptr;
+    undivided = true;
   }
 
   // Starts from a posture (all coordinates) at a time: the start of the run, or another posture of the same motion.
@@ -129,6 +133,7 @@ struct Simulator::Impl {
 
   void begin_step() {
     began = nullptr;
+    undivided = true;
     motion.count_rejected_from(0);
   }
 
@@ -144,7 +149,7 @@ struct Simulator::Impl {
       status = motion.step_to(t, may_reselect, stride);
     } catch (...) {
       if (motion.time() != from) fill_row();
-      if (began != nullptr) in_one_piece = false;
+      in_one_piece = in_one_piece && undivided;
       throw;
     }
     if (motion.time() != from) fill_row();
@@ -279,11 +284,12 @@ struct Simulator::Impl {
     in_one_piece = from.in_one_piece;
   }
 
-  // Called before a step is divided or fails.
-  void keep_start_of_step() {
+  // Called before a step is divided or fails (in_step), or before a step that may throw after it has arrived.
+  void keep_start_of_step(bool in_step) {
     if (began != nullptr) return;
     Snapshot& kept = in_one_piece ? *inside : *divided;
-    save(kept, true);
+    save(kept, in_step);
+    if (!in_step) Inputs::withhold_targets(kept.motion.controls);
     began = &kept;
   }
 
@@ -301,6 +307,7 @@ struct Simulator::Impl {
     inside = std::move(other.inside);
     divided = std::move(other.divided);
     began = other.began;
+    undivided = other.undivided;
     motion.count_rejected_from(other.motion.rejected());
   }
 
@@ -431,7 +438,8 @@ struct Simulator::Impl {
   bool in_one_piece = true;      // the posture was reached by a step that was not divided
   // Starts of the last steps that were divided or failed: at a posture with in_one_piece, and at one without.
   std::unique_ptr<Snapshot> inside, divided;
-  const Snapshot* began = nullptr;       // the snapshot before the current step, if that was divided
+  const Snapshot* began = nullptr;       // the snapshot before the current step, if there is one
+  bool undivided = true;                 // the current step was neither divided, nor did it fail
   Effort earlier_effort;                 // effort of solvers that ran the chunks or solved another set
   ErrorFigures earlier_error;            // estimated errors of the chunks
   std::unique_ptr<OutputSlopes> slopes;  // null before the first jacobian()

@@ -114,10 +114,10 @@ Sets the target of a controlled driver (a name, or a handle of driver()) for the
   static PyMethodDef step_method = method("step", &step, R"(step($self, t=...)
 --
 
-Moves to the time t (s); without t, by one step of the time grid to the targets that were set.
+Moves to the time t (s), or by one step of the time grid (without a grid by 1 s), and to the targets that were set.
 
 Returns a Status, which is true if the time was reached. If it fails, step() returns to the state before it, and step(t)
-stays at the last good posture.)");
+stays at the last good posture; both drop their targets.)");
   static PyMethodDef output_method = method("output", &output, R"(output($self, column)
 --
 

@@ -240,6 +240,20 @@ TEST(Control, AFailedFirstCommandReturnsToTheLaw) {
   EXPECT_NEAR(s.output("angle"), 0.5 + s.time(), 8 * kEps);
 }
 
+TEST(Control, StepsWithoutATimeGridTakeASecond) {
+  SceneBuilder b("crank", 2);
+  b.fixed_point("A", {0, 0}).point("B", {1, 0}).drive("motor", PointAngle{"A", "B", "", Law::constant(0)});
+  Simulator s = test::simulator(b.build(), "auto", {}, {"motor"});
+  for (const double angle : {0.5, -2.0, 7.0}) {
+    const double before = s.time();
+    s.set("motor", angle);
+    ASSERT_TRUE(s.step().ok());
+    EXPECT_EQ(s.time(), before + 1);
+    EXPECT_NEAR(s.output("B.x"), std::cos(angle), 4 * kEps);
+    EXPECT_NEAR(s.output("B.y"), std::sin(angle), 4 * kEps);
+  }
+}
+
 TEST(Control, SavedStatesHaveTheTargetsThatWait) {
   Simulator s = test::simulator(sample("four_bar:step=0.01"), "auto", {}, {"motor"});
   const SimulatorState without = s.save();
