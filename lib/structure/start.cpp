@@ -15,11 +15,13 @@
 #include "decompositions.hpp"
 #include "index.hpp"
 #include "scene/names.hpp"
+#include "scene/outputs.hpp"
 #include "scene/own_values.hpp"
 #include "scene/residual_scale.hpp"
 #include "scene/triple.hpp"
 #include "structure/assembly.hpp"
 #include "structure/block_names.hpp"
+#include "structure/demand.hpp"
 #include "structure/dense_block.hpp"
 #include "structure/directions.hpp"
 #include "structure/frame_axes.hpp"
@@ -39,6 +41,7 @@ namespace {
 constexpr double kSamePosture = 1e-6;      // internal units; another tooth turns a wheel by more than 2 pi / 1000
 constexpr double kManyTurns = 8;           // of one driver, before its period is sought
 constexpr int kLongestPeriod = 50;         // turns
+constexpr int kMostSought = 20000;         // steps of the search for a period
 constexpr double kNearby = 0.05;           // rad or internal units: displacement of drivers from a singular posture
 constexpr double kDependentNearby = 1e-7;  // pivots of rows of length 1
 // equations or unknowns; dense decompositions of larger matrices take seconds
@@ -73,9 +76,25 @@ class Start {
     split_equations();
     p_.blocks = decompose(s_, p_.equations, p_.unknowns);
     leave_out_idle_parts();
+    leave_out_parts_behind();
   }
 
  private:
+  // Leaves parts out that no output needs, and that cannot be followed to the start.
+  void leave_out_parts_behind() {
+    if (p_.left_behind.empty()) return;
+    std::vector<Index> mentioned;
+    const auto is_left = [&](Index c) { return std::binary_search(p_.left_behind.begin(), p_.left_behind.end(), c); };
+    std::erase_if(p_.unknowns, is_left);
+    std::erase_if(p_.equations, [&](Index e) {
+      s_.mentioned(e, mentioned);
+      return std::any_of(mentioned.begin(), mentioned.end(), is_left);
+    });
+    p_.blocks = decompose(s_, p_.equations, p_.unknowns);
+    idle_.insert(idle_.end(), p_.left_behind.begin(), p_.left_behind.end());
+    std::sort(idle_.begin(), idle_.end());
+  }
+
   // Equations among known coordinates are only checked, never solved.
   void split_equations() {
     std::vector<Index> mentioned;
@@ -326,10 +345,12 @@ class DrivenStart {
     const std::vector<double> written = q;
     std::vector<WalkedPart> parts = walked_parts(q);
     if (!close(s_, parts, q)) {
-      const std::optional<Attempt> closed = search(written);
+      std::optional<Attempt> closed = search(written);
       if (!closed) return searched_at(at_laws, moves);
       q = closed->problem.q;
-      note_search(written, q, moves ? "the drivers held" : "the drivers at their laws", out_);
+      note_search(written, q, moves ? "the drivers held" : "the drivers at their laws", closed->out);
+      if (!moves) return std::move(*closed);
+      out_.notes = std::move(closed->out.notes);
     }
     if (!moves) {
       Attempt closed = attempt(p_, out_, q);
@@ -341,7 +362,8 @@ class DrivenStart {
     if (is_redundant && !choose(q, parts)) return searched_at(at_laws, true);
     const std::string refusal = move(way, parts, is_redundant, q);
     if (!refusal.empty()) return refused(at_laws, refusal);
-    Attempt arrived = attempt(p_, out_, with_unknowns_of(q));
+    p_.q = with_unknowns_of(q);  // parts left behind stay where they are
+    Attempt arrived = attempt(p_, out_, p_.q);
     if (!is_assembled(arrived.out) || is_same(arrived.problem.q, q)) return arrived;
     return refused(at_laws, "the start posture is singular, so that the way to it does not determine it");
   }
@@ -427,6 +449,29 @@ class DrivenStart {
     return parts;
   }
 
+  // Marks the parts on which neither an output nor a limit, a driver or a declared group that is kept depends.
+  void mark_needed(std::vector<WalkedPart>& parts) const {
+    std::vector<std::int8_t> need = needed_by_outputs(s_, wanted_outputs(s_));
+    const std::vector<std::int8_t> of_limits =
+        s_.bounds.empty() ? std::vector<std::int8_t>(need.size(), -1) : needed_by_outputs(s_, limited_outputs(s_));
+    for (std::size_t c = 0; c < need.size(); ++c) need[c] = std::max(need[c], of_limits[c]);
+    const auto require = [&](Index c) { need[idx(c)] = std::max(need[idx(c)], std::int8_t{0}); };
+    for (const Positive& p : s_.positive) require(p.coordinate);
+    for (const DriverInput& in : s_.inputs) {
+      for (const Index form : in.own) {
+        for (const Term& t : s_.form(form)) require(t.coordinate);
+      }
+    }
+    for (const SystemGroup& g : s_.groups) {
+      if (g.keep) std::for_each(g.unknowns.begin(), g.unknowns.end(), require);
+    }
+    for (auto part = parts.rbegin(); part != parts.rend(); ++part) {
+      const auto is_read = [&](Index u) { return need[idx(u)] >= 0; };
+      part->is_needed = std::any_of(part->unknowns.begin(), part->unknowns.end(), is_read);
+      if (part->is_needed) require_inputs(s_, part->equations, 0, need);
+    }
+  }
+
   // Finds any posture with these values of the drivers: block after block by damped steps, else all equations together
   // by least squares, because a rough guess may take the first groups to a posture in which the others do not fit.
   std::optional<Attempt> search(const std::vector<double>& guess) {
@@ -471,6 +516,7 @@ class DrivenStart {
   // Moves q along the way. Returns the reason why that is impossible; "": q is there.
   std::string move(Way way, std::vector<WalkedPart> parts, bool is_redundant, std::vector<double>& q) {
     double share = 0, chosen_at = -1;
+    mark_needed(parts);
     skip_periods(parts, q, way);
     for (;;) {
       way.passes = !is_redundant || chosen_at == share;
@@ -483,7 +529,10 @@ class DrivenStart {
                                        " of the way; the start posture is on the smooth continuation"});
       }
       share += left * w.share;
-      if (w.end == Walked::End::arrived) return "";
+      if (w.end == Walked::End::arrived) {
+        leave_behind(w, parts);
+        return "";
+      }
       for (std::size_t i = 0; i < way.from.size(); ++i) {
         for (std::size_t k = 0; k < way.from[i].size(); ++k) {
           way.from[i][k] += w.share * way.change[i][k];
@@ -497,8 +546,18 @@ class DrivenStart {
     }
   }
 
+  void leave_behind(const Walked& w, const std::vector<WalkedPart>& parts) {
+    for (const std::size_t k : w.left) {
+      p_.left_behind.insert(p_.left_behind.end(), parts[k].unknowns.begin(), parts[k].unknowns.end());
+      out_.notes.push_back({"/", "group " + group(parts[k]) +
+                                     " cannot follow the drivers from the posture as written to the start; it is left "
+                                     "out, because no output depends on it"});
+    }
+    std::sort(p_.left_behind.begin(), p_.left_behind.end());
+  }
+
   // Chooses independent equations at a posture.
-  bool choose(std::vector<double>& q, std::vector<WalkedPart>& parts) const {
+  bool choose(const std::vector<double>& q, std::vector<WalkedPart>& parts) const {
     const Attempt a = attempt_beside(q);
     const Blocks& blocks = a.problem.blocks;
     if (!is_assembled(a.out) || !blocks.square() || !is_same(a.problem.q, q)) return false;
@@ -507,6 +566,7 @@ class DrivenStart {
       const auto equations = blocks.equations_of(b), unknowns = blocks.unknowns_of(b);
       parts.push_back({{equations.begin(), equations.end()}, {unknowns.begin(), unknowns.end()}});
     }
+    mark_needed(parts);
     return true;
   }
 
@@ -532,8 +592,11 @@ class DrivenStart {
         const auto all_back = [&](const WalkedPart& p) {
           return std::all_of(p.unknowns.begin(), p.unknowns.end(), is_back);
         };
-        for (int period = 1; period <= kLongestPeriod && period <= turns; ++period) {
-          if (walk(s_, turned, turn, q).end != Walked::End::arrived) break;
+        int steps = 0;
+        for (int period = 1; period <= kLongestPeriod && period <= turns && steps < kMostSought; ++period) {
+          const Walked w = walk(s_, turned, turn, q);
+          steps += w.steps;
+          if (w.end != Walked::End::arrived) break;
           if (!std::all_of(turned.begin(), turned.end(), all_back)) continue;
           change = std::fmod(change, period * kTurn);
           break;
@@ -599,7 +662,8 @@ class DrivenStart {
   }
 
   // If there is another posture with the values of the laws, tells how to start there.
-  Attempt refused(const std::vector<double>& at_laws, const std::string& why) {
+  Attempt refused(const std::vector<double>& at_laws, std::string why) {
+    if (count_turns(s_)) why += "; the way decides which teeth of the gears mesh";
     std::optional<Attempt> other = search(at_laws);
     Attempt a = other ? std::move(*other) : attempt(p_, out_, at_laws);
     a.out.undetermined.clear();

@@ -13,10 +13,11 @@ namespace assur {
 struct Problem {
   std::vector<Index> unknowns;
   std::vector<Index> equations;
-  Blocks blocks;          // irreducible blocks of these equations and unknowns
-  std::vector<double> q;  // all coordinates: the guess, then the start posture
-  double time = 0;        // of q
-  bool is_guess = true;   // true: q is a guess; false: q is a posture already
+  Blocks blocks;                   // irreducible blocks of these equations and unknowns
+  std::vector<double> q;           // all coordinates: the guess, then the start posture
+  double time = 0;                 // of q
+  bool is_guess = true;            // true: q is a guess; false: q is a posture already
+  std::vector<Index> left_behind;  // unknowns that cannot follow the drivers to the start, and that no output needs
 };
 
 // Given unknowns, q and time, finds equations and blocks, and moves q to the start posture. Checks that every driver

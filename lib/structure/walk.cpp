@@ -26,6 +26,8 @@ constexpr int kMostCorrections = 10;
 constexpr double kCorrected = 1e-10;            // internal units; Newton's next correction is far below rounding
 constexpr double kRoundingOnly = 1e-6;          // corrections below this that no longer fall are rounding
 constexpr double kSurest = 0.8, kWanted = 0.5;  // of the bound of the test of a step
+constexpr int kForecast = 5000;  // steps after which a way is given up that would take four times as many as allowed
+constexpr double kLeastForecast = kForecast / (4.0 * kMostWalkedSteps);
 constexpr double kShrink = 0.3, kGrowth = 2.5;  // of a step, at most
 // rad or internal units; nearer to a singular posture, rounding decides
 constexpr double kShortest = 1e-10;
@@ -138,6 +140,7 @@ class Walk {
         driven_(all_driven(system)),
         column_(system.coordinates.size(), -1),
         off_(system.coordinates.size(), 0),
+        is_left_(parts.size(), 0),
         length_(std::max(1.0, length())) {}
 
   Walked run(std::vector<double>& q) {
@@ -147,7 +150,8 @@ class Walk {
     at.bend = at.rate;
     double h = 1;
     Walked out;
-    if (!begin(at)) {
+    while (!begin(at)) {
+      if (leave_part()) continue;
       out.end = Walked::End::singular;
       out.part = failed_;
       return out;
@@ -157,12 +161,16 @@ class Walk {
       if (out.end == Walked::End::arrived) break;
       const bool may_pass = out.end == Walked::End::singular && way_.passes && way_.open.empty();
       const std::size_t part = failed_;
-      if (!may_pass || !pass(at, out)) {
-        failed_ = part;
-        break;
-      }
+      if (may_pass && pass(at, out)) continue;
+      failed_ = part;
+      if (out.end != Walked::End::singular || !leave_part()) break;
+      h = 1 - at.s;
+    }
+    for (std::size_t k = 0; k < parts_.size(); ++k) {
+      if (is_left_[k] != 0) out.left.push_back(k);
     }
     out.share = at.s;
+    out.steps = steps_;
     out.part = failed_;
     out.driver = vanished_;
     q = std::move(at.q);
@@ -244,9 +252,28 @@ class Walk {
     for (Eigen::Index i = 0; i < v.size(); ++i) rate[idx(p.unknowns[static_cast<std::size_t>(i)])] = v[i];
   }
 
+  // Leaves the part that failed, and all that read it, where they are. False if one of them is needed.
+  bool leave_part() {
+    if (failed_ >= parts_.size() || parts_[failed_].is_needed) return false;
+    std::vector<std::uint8_t> stays(off_.size(), 0);
+    for (std::size_t k = 0; k < parts_.size(); ++k) {
+      const WalkedPart& p = parts_[k];
+      const bool reads = std::any_of(p.equations.begin(), p.equations.end(), [&](Index e) {
+        s_.mentioned(e, mentioned_);
+        return std::any_of(mentioned_.begin(), mentioned_.end(), [&](Index c) { return stays[idx(c)] != 0; });
+      });
+      if (k != failed_ && !reads) continue;
+      if (p.is_needed) return false;
+      is_left_[k] = 1;
+      for (const Index u : p.unknowns) stays[idx(u)] = 1;
+    }
+    return true;
+  }
+
   bool begin(Posture& at) {
     drive_at(at.s, at.q, at.rate.data());
     for (failed_ = 0; failed_ < parts_.size(); ++failed_) {
+      if (is_left_[failed_] != 0) continue;
       const WalkedPart& p = parts_[failed_];
       const Inverse inverse(block(p), at.q);
       if (!inverse.ok()) return false;
@@ -258,7 +285,7 @@ class Walk {
   // Moves to `until` in steps of about h. arrived: q is there; else the last posture is kept.
   Walked::End advance(Posture& at, double until, double& h, bool keeps) {
     while (at.s < until) {
-      if (++steps_ > kMostWalkedSteps) return Walked::End::too_long;
+      if (++steps_ > kMostWalkedSteps || (steps_ == kForecast && at.s < kLeastForecast)) return Walked::End::too_long;
       const double target = until - at.s <= h * (1 + 16 * kEps) ? until : at.s + h;
       Posture next;
       const double use = step(at, target, next);
@@ -295,6 +322,7 @@ class Walk {
     set_off(h);
     double most = 0;
     for (failed_ = 0; failed_ < parts_.size(); ++failed_) {
+      if (is_left_[failed_] != 0) continue;
       const WalkedPart& p = parts_[failed_];
       for (const Index u : p.unknowns) to.q[idx(u)] += h * (from.rate[idx(u)] + h / 2 * from.bend[idx(u)]);
       if (!correct(p, target, to)) return kInfinity;
@@ -354,8 +382,16 @@ class Walk {
       chord = std::max(chord, std::abs(to.q[idx(c)] - from.q[idx(c)]) / 2);
       off = std::max(off, off_[idx(c)]);
     }
+    const auto slopes = [&](const std::vector<double>& q, std::vector<double>& at) {
+      at.assign(mentioned_.size(), 0);
+      gradient<double>(s_, e, q, [&](Index c, double value) {
+        const auto place = std::lower_bound(mentioned_.begin(), mentioned_.end(), c);
+        if (place != mentioned_.end() && *place == c) at[static_cast<std::size_t>(place - mentioned_.begin())] += value;
+      });
+    };
     double most = 0;
-    std::vector<double> there = middle;
+    std::vector<double> there = middle, here, beside;
+    slopes(middle, here);
     for (int pattern = 0; pattern < 6; ++pattern) {
       const double probe = pattern < 3 ? kProbe : std::max(kProbe, chord + off);
       for (std::size_t k = 0; k < mentioned_.size(); ++k) {
@@ -364,20 +400,12 @@ class Walk {
         const bool plus = ((k * 7 + idx(pattern % 3) * 3) / 2) % 2 == 0;
         there[c] = middle[c] + probe * (pattern % 3 == 0 ? along : plus ? 1 : -1);
       }
-      std::vector<double> change(mentioned_.size(), 0);
-      const auto add = [&](const std::vector<double>& q, double sign) {
-        gradient<double>(s_, e, q, [&](Index c, double value) {
-          const auto at = std::lower_bound(mentioned_.begin(), mentioned_.end(), c);
-          if (at != mentioned_.end() && *at == c)
-            change[static_cast<std::size_t>(at - mentioned_.begin())] += sign * value;
-        });
-      };
-      add(there, 1);
-      add(middle, -1);
+      slopes(there, beside);
       double sum = 0;
       for (std::size_t k = 0; k < mentioned_.size(); ++k) {
-        if (column_[idx(mentioned_[k])] >= 0) sum += std::abs(change[k]);
-        if (!std::isfinite(change[k])) sum = kInfinity;
+        const double change = std::abs(beside[k] - here[k]);
+        if (!std::isfinite(change)) sum = kInfinity;
+        if (column_[idx(mentioned_[k])] >= 0) sum += change;
       }
       most = std::max(most, kMeasured * sum / probe);
     }
@@ -513,6 +541,7 @@ class Walk {
     std::vector<double> predicted = next.q;
     double moved = 0, corrected = 0;
     for (failed_ = 0; failed_ < parts_.size(); ++failed_) {
+      if (is_left_[failed_] != 0) continue;
       const WalkedPart& p = parts_[failed_];
       for (const Index u : p.unknowns) {
         double sum = 0;
@@ -537,8 +566,9 @@ class Walk {
   const std::vector<WalkedPart>& parts_;
   const Way& way_;
   Driven driven_;
-  std::vector<Index> column_;  // scratch of DenseBlock
-  std::vector<double> off_;    // coordinates: how far they may leave their chords in the step that is tested
+  std::vector<Index> column_;          // scratch of DenseBlock
+  std::vector<double> off_;            // coordinates: how far they may leave their chords in the step that is tested
+  std::vector<std::uint8_t> is_left_;  // parts
   double length_;
   std::vector<double> middle_, half_;
   std::vector<Index> mentioned_;

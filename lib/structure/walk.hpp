@@ -15,6 +15,7 @@ using DriverValues = std::vector<std::vector<double>>;
 // the sum of their squares is least.
 struct WalkedPart {
   std::vector<Index> equations, unknowns;
+  bool is_needed = true;  // false: if it cannot be followed, it and the parts that read it are left behind
 };
 
 // Whatever moves while s goes from 0 to 1.
@@ -30,7 +31,7 @@ struct Walked {
     arrived,
     singular,  // the Jacobian of `part` is singular there
     vanished,  // the direction, the distance or the lever of `driver` vanishes there
-    too_long,  // the way has more than kMostWalkedSteps steps
+    too_long,  // the way has more than kMostWalkedSteps steps, or is bound to
   };
   End end = End::arrived;
   double share = 0;      // s of the last posture
@@ -41,6 +42,8 @@ struct Walked {
     std::size_t part;
   };
   std::vector<ChangePoint> passed;  // change points, by the smooth continuation
+  std::vector<std::size_t> left;    // parts that were left behind
+  int steps = 0;                    // attempts
 };
 
 inline constexpr int kMostWalkedSteps = 100000;

@@ -306,7 +306,9 @@ Outcome compare(Away away) {
   double worst = 0;
   std::string where;
   for (std::size_t k = 0; k < to.columns.size(); ++k) {
-    const double off = std::abs(to.values[k] - double(plain.show(plain.equations().column(to.columns[k])).value));
+    const PlainEquations::Column column = plain.equations().column(to.columns[k]);
+    if (!column.known) continue;  // not an unknown of the plain equations
+    const double off = std::abs(to.values[k] - double(plain.show(column).value));
     if (off > worst) worst = off, where = to.columns[k];
   }
   // Both hold the equations to rounding, which the condition amplifies.

@@ -182,6 +182,41 @@ TEST(ValueTable, BindsRandomMechanisms) {
 }
 
 // Values that prepare() refuses, or that lead to another computation.
+// Each member starts at the end of the way from its own drawing: where a motion over this way ends.
+TEST(ValueTable, MembersStartAtTheEndsOfTheirWays) {
+  const auto lever = [](const std::string& law, const std::string& time) {
+    return parse_scene(R"({"assur": 1, "name": "lever", "dimension": 2, "parameters": {"start": 0.1, "place": 0.4},
+      "bodies": {"lever": {}, "block": {}, "crank": {}},
+      "joints": {"O": {"revolute": ["ground", "lever"], "at": [0, 0]},
+                 "S": {"prismatic": ["lever", "block"], "axis": [0.5, 0.8660254037844386]},
+                 "Q": {"revolute": ["block", "crank"], "at": [0.5, 0.8660254037844386]},
+                 "P": {"revolute": ["ground", "crank"], "at": ["=place", 0.1]}},
+      "drivers": {"turn": {"coordinate": "O.angle", "law": {"polynomial": )" +
+                       law + R"(}}}, "outputs": ["Q"], "time": )" + time + "}");
+  };
+  const Scene scene = lever(R"(["=start", 0.1])", R"({"start": 0, "end": 0.02, "step": 0.01})");
+  const Scene motion = lever(R"([0, "=start"])", R"({"start": 0, "end": 1, "step": 0.01})");
+  const std::vector<double> starts = {-1.3, -1.2, -0.9, -0.5, -1e-3, 0, 0.3, 0.7, 1.1};
+  Table table({{"place", 0.4}, {"start", 0}}, 0.05, starts.size());
+  for (std::size_t i = 0; i < starts.size(); ++i) table.values[2 * i + 1] = starts[i];
+  for (const std::string strategy : {"groups/eigen:4", "irreducible/lanes:8"}) {
+    Ensemble members(scene, table.names, table.values, options(strategy));
+    const EnsembleTrajectory all = members.run();
+    EXPECT_EQ(prepared_one_by_one(members), 0u) << why_one_by_one(members);
+    for (std::size_t i = 0; i < starts.size(); ++i) {
+      Simulator simulator(prepare(motion.with_values(table.row(i)), options(strategy)));
+      const Trajectory way = simulator.run();
+      ASSERT_TRUE(simulator.report().status.arrived());
+      ASSERT_GT(all.rows(i), 0u);
+      for (const char* column : {"Q.x", "Q.y"}) {
+        const auto at = static_cast<std::size_t>(std::find(all.columns().begin(), all.columns().end(), column) -
+                                                 all.columns().begin());
+        EXPECT_NEAR(all(i, 0, at), way.last(column), 1e-12) << i << ' ' << column;
+      }
+    }
+  }
+}
+
 TEST(ValueTable, MembersThatCannotBePrepared) {
   const Scene scene = read_scene(file("four_bar")).with_time({0, 0.3, 0.01});
   std::vector<double> values;
