@@ -110,10 +110,14 @@ Symbols::Symbols(const Scene& scene, const Known& known) {
   enter_all(NameKind::group, scene.groups(), never, nowhere);
 }
 
+bool Symbols::is_made(std::string_view name) const {
+  const std::size_t dot = name.find('.');
+  return dot != name.npos && owners_.contains(name.substr(0, dot));
+}
+
 void Symbols::enter(std::string_view name, const Where& where, Symbol symbol, const Known& known) {
   symbol.broken = known.at_or_below(where.text()) || known.at_or_above(where.text());
-  const bool of_owner = owners_.contains(name.substr(0, name.find('.'))) && name.find('.') != name.npos;
-  if (std::string wrong = of_owner ? "" : why_no_name(name); !wrong.empty()) {
+  if (std::string wrong = is_made(name) ? "" : why_no_name(name); !wrong.empty()) {
     symbol.broken = true;
     findings_.push_back({where.text(), std::move(wrong)});
   } else if (name == "ground" && symbol.kind != NameKind::body) {

@@ -56,6 +56,9 @@ class Symbols {
   [[nodiscard]] const Symbol* find(std::string_view name) const;
   [[nodiscard]] Symbol* find(std::string_view name);
 
+  // True for names such as "J.axis" that build() gives to parts of joints and bodies.
+  [[nodiscard]] bool is_made(std::string_view name) const;
+
   // Findings about invalid names and names that are used twice.
   [[nodiscard]] const std::vector<Diagnostic>& findings() const { return findings_; }
 

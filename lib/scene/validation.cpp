@@ -153,7 +153,7 @@ Validation::Involved Validation::direction(const Direction& direction, const Whe
 Validation::Involved Validation::pair(const Involved& from, const Involved& to, const Direction& names,
                                       const Where& where) {
   const Involved out{from.usable && to.usable, from.fixed && to.fixed, recorded::subtract(to.at, from.at)};
-  if (!out.usable || !out.fixed || recorded::norm(out.at) != 0) return out;
+  if (!out.usable || !out.fixed || is_made_ || recorded::norm(out.at) != 0) return out;
   report(where, "a direction from " + in_quotes(names.first) + " to " + in_quotes(names.second) +
                     ", which are at the same place; points at different places are wanted");
   return {};

@@ -168,6 +168,7 @@ class Validation {
   std::unordered_map<std::string, std::string> claimed_;  // driven quantity -> name of its driver
   std::optional<Kept> kept_;                              // when it was asked for
   std::vector<Involved> involved_;                        // of the current item, in the order of its row
+  bool is_made_ = false;        // the current constraint is one of a joint, which may connect parts that do not move
   int suggestions_left_ = 100;  // each compares all names; the limit keeps scenes full of unknown names fast
 };
 

@@ -16,8 +16,10 @@ void Validation::check_constraints() {
   for (const Constraint& constraint : scene_.constraints()) {
     const Where where = Where("/constraints") / constraint.name;
     if (known_.at_or_above(where.text())) continue;
+    is_made_ = symbols_.is_made(constraint.name);
     constraint.visit([&](const auto& kind) { check(kind, where); });
   }
+  is_made_ = false;
 }
 
 template <class Kind>
@@ -27,7 +29,7 @@ void Validation::check(const Kind& kind, const Where& where) {
   if (dimension() == 2 && !row.not_in_the_plane.empty()) {
     report(own, std::string(row.not_in_the_plane));
   } else if (check_row(kind, where)) {
-    if (all_fixed()) report(own, kAllFixed);
+    if (all_fixed() && !is_made_) report(own, kAllFixed);
     rule(kind, where);
   }
 }

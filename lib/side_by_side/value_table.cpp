@@ -45,7 +45,11 @@ std::string why_prepared_alone(const Prepared& p) {
       }
     }
   }
-  if (!s.redundant.empty() || !s.checks.empty()) return "the scene has redundant equations";
+  std::vector<Index> mentioned;
+  for (const Index e : s.checks) {
+    s.system->mentioned(e, mentioned);
+    if (!mentioned.empty()) return "the scene has redundant equations";
+  }
   return "";
 }
 

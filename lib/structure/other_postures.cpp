@@ -38,8 +38,7 @@ constexpr std::size_t kMostRates = 1 << 24;  // numbers
 // A connected part of the system: equations that share unknowns or drivers.
 struct Part {
   std::vector<Index> equations, kept, unknowns, inputs;
-  std::vector<std::size_t> checks;                         // indices into Structure::checks
-  std::map<std::size_t, std::vector<std::size_t>> behind;  // checks among known coordinates: inputs behind them
+  std::vector<std::size_t> checks;  // indices into Structure::checks
 };
 
 class Union {
@@ -55,10 +54,10 @@ class Union {
   std::vector<std::size_t> parent_;
 };
 
-std::vector<Part> connected(const System& s, const DoubtfulParts& all, const std::vector<Index>& checks) {
-  const std::size_t coordinates = s.coordinates.size(), inputs = s.inputs.size();
-  std::vector<std::vector<std::size_t>> behind(coordinates);  // inputs behind a known coordinate
-  for (std::size_t i = 0; i < inputs; ++i) {
+// The inputs behind each known coordinate.
+std::vector<std::vector<std::size_t>> inputs_behind(const System& s) {
+  std::vector<std::vector<std::size_t>> behind(s.coordinates.size());
+  for (std::size_t i = 0; i < s.inputs.size(); ++i) {
     for (Index k = 0; k < s.inputs[i].count; ++k) behind[idx(s.inputs[i].first + k)] = {i};
   }
   for (const Assignment& a : s.assignments) {
@@ -67,6 +66,12 @@ std::vector<Part> connected(const System& s, const DoubtfulParts& all, const std
       behind[idx(a.coordinate)].insert(behind[idx(a.coordinate)].end(), more.begin(), more.end());
     }
   }
+  return behind;
+}
+
+std::vector<Part> connected(const System& s, const DoubtfulParts& all, const std::vector<Index>& checks) {
+  const std::size_t coordinates = s.coordinates.size(), inputs = s.inputs.size();
+  const std::vector<std::vector<std::size_t>> behind = inputs_behind(s);
   // Nodes: coordinates, then inputs, then equations.
   Union nodes(coordinates + inputs + s.equations.size());
   std::vector<Index> mentioned;
@@ -89,12 +94,6 @@ std::vector<Part> connected(const System& s, const DoubtfulParts& all, const std
   for (std::size_t k = 0; k < checks.size(); ++k) {
     Part& part = parts[nodes.root(node_of(checks[k]))];
     part.checks.push_back(k);
-    s.mentioned(checks[k], mentioned);
-    const auto is_known = [&](Index c) { return s.coordinates[idx(c)].role != Role::unknown; };
-    if (!std::all_of(mentioned.begin(), mentioned.end(), is_known)) continue;
-    for (const Index c : mentioned) {
-      part.behind[k].insert(part.behind[k].end(), behind[idx(c)].begin(), behind[idx(c)].end());
-    }
   }
   std::vector<Part> out;
   for (auto& [root, part] : parts) out.push_back(std::move(part));
@@ -266,17 +265,31 @@ class Look {
     r.violation = shown.by.by;
     r.is_length = shown.by.is_length;
     r.time = shown.time;
-    const auto inputs = p_.behind.find(k);
-    if (inputs != p_.behind.end() && r.kind != Redundancy::Kind::structural) {
-      std::set<std::string> names(r.constraints.begin(), r.constraints.end());
-      for (const std::size_t i : inputs->second) names.insert("driver " + s_.drivers[idx(s_.inputs[i].driver)]);
-      r.constraints.assign(names.begin(), names.end());
+    // Small violations are errors of lengths, see below.
+    if (r.kind != Redundancy::Kind::structural && (r.constraints.size() == 1 || internal(shown.by) > kSmall)) {
+      name_drivers(r);
     }
     // Errors of lengths cause small violations near the start posture; large violations mean that drivers are
     // restricted.
     const bool is_error = internal(off.by) > kRefused && internal(off.by) <= kSmall;
     const bool never_holds = internal(path.by) > kRefused && path.time <= time_ + s_.scene->time().step;
     if (is_error || never_holds) impossible_.insert(r.dropped);
+  }
+
+  // Adds the drivers behind the known coordinates of the dependent equations.
+  void name_drivers(Redundancy& r) const {
+    const std::vector<std::vector<std::size_t>> behind = inputs_behind(s_);
+    const std::set<std::string> equations(r.constraints.begin(), r.constraints.end());
+    std::set<std::string> names = equations;
+    std::vector<Index> mentioned;
+    for (const Index e : p_.equations) {
+      if (equations.count(s_.equation_name(e)) == 0) continue;
+      s_.mentioned(e, mentioned);
+      for (const Index c : mentioned) {
+        for (const std::size_t i : behind[idx(c)]) names.insert("driver " + s_.drivers[idx(s_.inputs[i].driver)]);
+      }
+    }
+    r.constraints.assign(names.begin(), names.end());
   }
 
   // ---- freedoms

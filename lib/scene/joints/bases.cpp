@@ -121,7 +121,12 @@ void Expansion::settle(std::size_t s, const std::vector<std::size_t>& base) {
     Feature& f = features_[i];
     if (std::find(base.begin(), base.end(), i) != base.end() || f.solid == self) continue;
     if (self == ground_ && f.fixed) continue;
-    if (f.fixed && rests(base, f, kSame)) continue;
+    if (f.fixed && rests(base, f, kSame)) {
+      if (const auto by = put_there_by_.find({self, i}); by != put_there_by_.end()) {
+        implied_.emplace_back(by->second, p_.dimension - (f.is_point ? 0 : 1));
+      }
+      continue;
+    }
     if (f.solid == kNobody && !f.driven && rests(base, f, kExactly)) {
       f.fixed = true;
       continue;

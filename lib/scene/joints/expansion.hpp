@@ -166,10 +166,15 @@ class Expansion {
   [[nodiscard]] bool is_on_line(const Feature& f, const Triple& at, const Triple& axis, double share = kSame) const;
   // The sliding point belongs to the second body; takes an existing point if possible.
   void place_slides();
-  // Reports a driver or measure of a joint that other joints lock.
+  // True if fixed joints connect both bodies of a joint.
+  [[nodiscard]] bool is_held(const Joint& j) const {
+    const auto [a, b] = bodies_of(j);
+    return solid(a) == solid(b);
+  }
+  // Reports a driver or gear of a joint that other joints lock.
   void check_slides();
   [[nodiscard]] bool is_locked(const Slide& s) const {
-    return features_[s.point].fixed && features_[s.origin].fixed && features_[s.axis].fixed;
+    return s.a == s.b || (features_[s.point].fixed && features_[s.origin].fixed && features_[s.axis].fixed);
   }
   // A prismatic joint keeps a second direction, unless nothing depends on it: a body whose features are all on the line
   // of the joint may turn, if it does not lead the turn of one body to another.
@@ -246,6 +251,9 @@ class Expansion {
   [[nodiscard]] std::size_t companion(const Tie& tie) const;
   void set_base(std::size_t s, const std::set<std::string>& still);
   void write(const Slide& s);
+  // Equations that need not be written, because the other joints of fixed parts imply them: 0 = 0, so that they are
+  // counted among the redundant ones.
+  void write_implied();
   void write_coordinates();
 
   JointParts p_;
@@ -277,6 +285,8 @@ class Expansion {
   std::map<std::size_t, std::vector<std::size_t>> base_;               // of solids: features
   std::map<int, std::vector<std::size_t>> based_on_;                   // of all settled solids: features
   std::set<std::size_t> stood_on_;                                     // features of these bases
+  std::vector<std::pair<const Joint*, int>> implied_;     // equations that are not written, see write_implied()
+  std::set<std::pair<std::size_t, std::size_t>> across_;  // features: the axis of a slide and the side that it keeps
   std::vector<Tie> ties_;
   std::set<std::pair<int, std::size_t>> tied_;    // the same
   std::map<std::size_t, std::set<int>> keepers_;  // features: solids that keep them in place

@@ -60,6 +60,7 @@ void Expansion::set_levels() {
                           : slides   ? std::pair<Index, Index>{1, 1}
                           : fixes    ? std::pair<Index, Index>{0, 0}
                                      : std::pair<Index, Index>{2, 0};
+    if (is_held(j)) continue;
     const auto [a, b] = bodies_of(j);
     const auto is_rod = [&](const std::string& body) { return turns_of(solids_[idx(solid(body))]) < turns; };
     if (in_space() && slides && (is_rod(a) || is_rod(b))) angles = 2;  // see share_sides()

@@ -42,6 +42,10 @@ std::size_t Expansion::anchor(const Joint& j, const Where& here, const Anchor& a
     }
     feature = add({std::move(name), is_point, is_point ? at : unit(at)});
   }
+  const bool is_shared = solids.size() == 2 && !is_held(j) && std::all_of(solids.begin(), solids.end(), [&](int s) {
+                           return on_.count({s, feature}) != 0;
+                         });
+  if (is_shared) implied_.emplace_back(&j, p_.dimension - (is_point ? 0 : 1));
   for (const int s : solids) share(j, here, s, feature);
   return feature;
 }
@@ -61,11 +65,13 @@ void Expansion::share_features() {
     const auto [a, b] = bodies_of(j);
     if (body_of_.count(a) + body_of_.count(b) + (a == kGround) + (b == kGround) < 2) continue;
     const int sa = solid(a), sb = solid(b);
-    if (sa == sb && a != b && !std::holds_alternative<Fixed>(j.kind)) {
-      report(where(j), in_quotes(a) + " and " + in_quotes(b) + " are fixed to each other; remove this joint");
+    if (std::holds_alternative<Fixed>(j.kind) || a == b) continue;
+    if (sa == sb) {
+      static constexpr int kRows[] = {5, 5, 4, 3, 4, 3};
+      implied_.emplace_back(&j, in_space() ? kRows[j.kind.index()] : 2);
+      p_.warnings.push_back({where(j).text(), "the joint cannot move, because fixed joints connect its bodies"});
     }
-    if (sa == sb) continue;
-    const bool for_space = j.kind.index() != 0 && j.kind.index() != 1 && !std::holds_alternative<Fixed>(j.kind);
+    const bool for_space = j.kind.index() != 0 && j.kind.index() != 1;
     if (!in_space() && for_space) {
       report(where(j) / kind_of(j),
              std::string(kind_of(j)) + " joints are for 3D; in the plane there are revolute, prismatic and fixed");
@@ -158,15 +164,17 @@ void Expansion::place_slides() {
   }
 }
 
-// A joint that cannot slide has the constant displacement 0, which can be measured, but neither driven nor geared.
+// A joint that cannot move has the constant coordinates 0, which can be measured, but neither driven nor geared.
 void Expansion::check_slides() {
   const auto refuse = [&](const Coordinate& of, const Where& at) {
+    if (is_held(*of.joint)) {
+      report(at, "joint " + in_quotes(of.joint->name) + " cannot move, because fixed joints connect its bodies");
+    }
     for (const Slide& s : slides_) {
       if (of.is_angle || s.joint != of.joint || !is_locked(s)) continue;
       report(at, "joint " + in_quotes(of.joint->name) + " cannot slide, because other joints hold both of its bodies");
     }
   };
-  if (std::none_of(slides_.begin(), slides_.end(), [&](const Slide& s) { return is_locked(s); })) return;
   for (const auto& [d, of] : driven_) refuse(of, Where("/drivers") / d->name / "coordinate");
   for (const Geared& g : geared_) {
     for (std::size_t side = 0; side < 2; ++side) {
@@ -188,7 +196,7 @@ void Expansion::share_sides() {
     return !of.is_rigid() && std::all_of(of.features.begin(), of.features.end(),
                                          [&](std::size_t i) { return is_on_line(features_[i], at, axis); });
   };
-  const auto keeps_direction = [&](const Slide& s) { return !s.turns && in_space(); };
+  const auto keeps_direction = [&](const Slide& s) { return !s.turns && in_space() && s.a != s.b; };
   for (const Slide& s : slides_) {
     if (keeps_direction(s) && is_rod(s, s.a) && is_rod(s, s.b)) parent[idx(root(s.a))] = root(s.b);
   }
@@ -200,10 +208,24 @@ void Expansion::share_sides() {
     if (b && !a) ends[root(s.b)].insert(s.a);
   }
   std::vector<const Slide*> sided;
+  std::map<int, int> turned_by;  // solids that unsided joints turn together
+  const auto turns_with = [&](int i) {
+    for (auto up = turned_by.find(i); up != turned_by.end(); up = turned_by.find(i)) i = up->second;
+    return i;
+  };
+  const auto join = [&](int a, int b) {
+    a = turns_with(a), b = turns_with(b);
+    if (a != b) turned_by[a] = b;
+    return a != b;
+  };
   for (const Slide& s : slides_) {
     if (!keeps_direction(s)) continue;
     const bool a = is_rod(s, s.a), b = is_rod(s, s.b);
-    if ((!a && !b) || ends[root(a ? s.a : s.b)].size() > 1) sided.push_back(&s);
+    if ((!a && !b) || ends[root(a ? s.a : s.b)].size() > 1) {
+      sided.push_back(&s);
+    } else if (!join(s.a, s.b)) {
+      implied_.emplace_back(s.joint, 1);  // other joints of the rods keep this turn already
+    }
   }
   for (const Slide* const slide : sided) {
     const Slide& s = *slide;
@@ -224,6 +246,8 @@ void Expansion::share_sides() {
     } else {
       shared = add({s.joint->name + ".side", false, across(axis, 3)});
     }
+    if (on_.count({s.a, shared}) != 0 && on_.count({s.b, shared}) != 0) implied_.emplace_back(s.joint, 1);
+    across_.insert(std::minmax(s.axis, shared));
     share(*s.joint, where(*s.joint), s.a, shared);
     share(*s.joint, where(*s.joint), s.b, shared);
   }

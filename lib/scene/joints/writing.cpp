@@ -58,13 +58,54 @@ void Expansion::write() {
   }
   std::erase_if(p_.bodies, [&](const Body& b) { return gone_.count(b.name) != 0; });
   for (const Slide& s : slides_) {
-    if (!is_locked(s)) write(s);
+    if (!is_locked(s)) {
+      write(s);
+    } else if (s.a != s.b) {
+      implied_.emplace_back(s.joint, s.on_plane ? 1 : p_.dimension - 1);
+    }
   }
   for (const auto& [j, d, e] : crossings_) {
-    if (features_[d].fixed && features_[e].fixed) continue;
+    if (is_held(*j)) continue;
+    if (features_[d].fixed && features_[e].fixed) {
+      implied_.emplace_back(j, 1);
+      continue;
+    }
     p_.constraints.push_back({j->name + ".cross", Dot{features_[d].name, features_[e].name, 0.0}});
   }
   write_coordinates();
+  write_implied();
+}
+
+void Expansion::write_implied() {
+  // Of a base, all pairs that are fixed, and so keep their distance or angle; but a slide keeps one angle less than its
+  // two directions have.
+  for (const auto& [s, base] : based_on_) {
+    if (solids_[idx(s)].is_rigid()) continue;
+    const auto is_fixed = [&](std::size_t i) { return features_[i].fixed; };
+    const auto points = std::count_if(base.begin(), base.end(), [&](std::size_t i) { return features_[i].is_point; });
+    if (base.size() == 3 && points == 2 && std::all_of(base.begin(), base.end(), is_fixed)) {
+      if (const auto by = put_there_by_.find({s, base[2]}); by != put_there_by_.end()) {
+        implied_.emplace_back(by->second, 1);  // the angle between the line of the points and the direction
+      }
+    }
+    for (std::size_t i = 0; i < base.size(); ++i) {
+      for (std::size_t k = i + 1; k < base.size(); ++k) {
+        const Feature &f = features_[base[i]], &g = features_[base[k]];
+        const auto by = put_there_by_.find({s, base[k]});
+        if (!f.fixed || !g.fixed || by == put_there_by_.end()) continue;
+        if (f.is_point != g.is_point || across_.count(std::minmax(base[i], base[k])) != 0) continue;
+        implied_.emplace_back(by->second, 1);
+      }
+    }
+  }
+  std::map<const Joint*, int> count;
+  for (const auto& [j, rows] : implied_) {
+    const std::string zero = j->name + ".zero";
+    if (feature_of_.count(zero) == 0) declare(features_[add({zero, true, {}, true})]);
+    for (int k = 0; k < rows; ++k) {
+      p_.constraints.push_back({j->name + ".rest" + std::to_string(count[j]++), FixedCoordinate{zero + ".x", 0}});
+    }
+  }
 }
 
 void Expansion::declare(const Feature& f) {
