@@ -432,6 +432,16 @@ std::string subject(const RedundantSet& set) {
   return std::to_string(count) + (count == 1 ? " equation" : " equations") + " of " + set.named.text();
 }
 
+// "; it restricts driver m, driver n", for a subject that does not name them.
+std::string restricted(const RedundantSet& set) {
+  if (set.checked.size() != 1 || !set.named.joints.empty()) return "";
+  std::string out;
+  for (const std::string& name : set.named.others) {
+    if (name.starts_with("driver ") && name != set.checked[0]) out += (out.empty() ? "; it restricts " : ", ") + name;
+  }
+  return out;
+}
+
 // Describes equations that do not hold elsewhere, in a note, or refuses the scene.
 void tell(const RedundantSet& set, bool is_impossible, Structure& out) {
   const bool is_one = set.checked.size() == 1;
@@ -452,7 +462,7 @@ void tell(const RedundantSet& set, bool is_impossible, Structure& out) {
   if (!is_impossible) {
     out.notes.push_back({"/", what});
   } else if (out.cannot_assemble.empty()) {
-    out.cannot_assemble = "the mechanism cannot move: " + what;
+    out.cannot_assemble = "the mechanism cannot move: " + what + restricted(set);
   }
 }
 

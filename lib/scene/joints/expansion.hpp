@@ -254,6 +254,8 @@ class Expansion {
   // Equations that need not be written, because the other joints of fixed parts imply them: 0 = 0, so that they are
   // counted among the redundant ones.
   void write_implied();
+  // Counts the distances and angles of bases that other bodies keep.
+  void count_kept_sides();
   void write_coordinates();
 
   JointParts p_;
@@ -285,8 +287,7 @@ class Expansion {
   std::map<std::size_t, std::vector<std::size_t>> base_;               // of solids: features
   std::map<int, std::vector<std::size_t>> based_on_;                   // of all settled solids: features
   std::set<std::size_t> stood_on_;                                     // features of these bases
-  std::vector<std::pair<const Joint*, int>> implied_;     // equations that are not written, see write_implied()
-  std::set<std::pair<std::size_t, std::size_t>> across_;  // features: the axis of a slide and the side that it keeps
+  std::vector<std::pair<const Joint*, int>> implied_;  // equations that are not written, see write_implied()
   std::vector<Tie> ties_;
   std::set<std::pair<int, std::size_t>> tied_;    // the same
   std::map<std::size_t, std::set<int>> keepers_;  // features: solids that keep them in place

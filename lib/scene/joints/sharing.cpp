@@ -246,8 +246,9 @@ void Expansion::share_sides() {
     } else {
       shared = add({s.joint->name + ".side", false, across(axis, 3)});
     }
-    if (on_.count({s.a, shared}) != 0 && on_.count({s.b, shared}) != 0) implied_.emplace_back(s.joint, 1);
-    across_.insert(std::minmax(s.axis, shared));
+    // The joint keeps one angle, and a shared direction two of them.
+    const bool is_shared = on_.count({s.a, shared}) != 0 && on_.count({s.b, shared}) != 0;
+    implied_.emplace_back(s.joint, is_shared ? 1 : -1);
     share(*s.joint, where(*s.joint), s.a, shared);
     share(*s.joint, where(*s.joint), s.b, shared);
   }

@@ -1,6 +1,7 @@
 #include "scene/joints/expansion.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 #include "scene/gear.hpp"
@@ -76,33 +77,61 @@ void Expansion::write() {
   write_implied();
 }
 
-void Expansion::write_implied() {
-  // Of a base, all pairs that are fixed, and so keep their distance or angle; but a slide keeps one angle less than its
-  // two directions have.
+void Expansion::count_kept_sides() {
   for (const auto& [s, base] : based_on_) {
-    if (solids_[idx(s)].is_rigid()) continue;
-    const auto is_fixed = [&](std::size_t i) { return features_[i].fixed; };
-    const auto points = std::count_if(base.begin(), base.end(), [&](std::size_t i) { return features_[i].is_point; });
-    if (base.size() == 3 && points == 2 && std::all_of(base.begin(), base.end(), is_fixed)) {
-      if (const auto by = put_there_by_.find({s, base[2]}); by != put_there_by_.end()) {
-        implied_.emplace_back(by->second, 1);  // the angle between the line of the points and the direction
-      }
-    }
-    for (std::size_t i = 0; i < base.size(); ++i) {
-      for (std::size_t k = i + 1; k < base.size(); ++k) {
-        const Feature &f = features_[base[i]], &g = features_[base[k]];
-        const auto by = put_there_by_.find({s, base[k]});
-        if (!f.fixed || !g.fixed || by == put_there_by_.end()) continue;
-        if (f.is_point != g.is_point || across_.count(std::minmax(base[i], base[k])) != 0) continue;
-        implied_.emplace_back(by->second, 1);
-      }
+    const Solid& solid = solids_[idx(s)];
+    if (solid.is_rigid() || solid.bodies.empty()) continue;
+    // All are fixed, or another body keeps them: one whose members are among them, or of two with the same base the
+    // first one.
+    const auto are_kept = [&](std::initializer_list<std::size_t> entries) {
+      const auto all = [&](auto&& holds) { return std::all_of(entries.begin(), entries.end(), holds); };
+      if (all([&](std::size_t i) { return features_[base[i]].fixed; })) return true;
+      const std::set<int>& candidates = keepers_[base[*entries.begin()]];
+      return std::any_of(candidates.begin(), candidates.end(), [&](int t) {
+        const auto is_member = [&](std::size_t i) { return features_[base[i]].solid == t; };
+        const bool is_first = t < s || std::any_of(entries.begin(), entries.end(), is_member);
+        return t != s && is_first && all([&](std::size_t i) { return keepers_[base[i]].count(t) != 0; });
+      });
+    };
+    const auto count = [&](std::size_t last, std::initializer_list<std::size_t> entries) {
+      const auto by = put_there_by_.find({s, base[last]});
+      if (by != put_there_by_.end() && are_kept(entries)) implied_.emplace_back(by->second, 1);
+    };
+    const auto is_point = [&](std::size_t i) { return features_[base[i]].is_point; };
+    if (base.size() > 1 && is_point(1)) count(1, {0, 1});
+    if (base.size() < 3) continue;
+    if (is_point(2)) count(2, {0, 2});
+    if (is_point(1) == is_point(2)) {
+      count(2, {1, 2});
+    } else {
+      count(2, {0, 1, 2});
     }
   }
+}
+
+void Expansion::write_implied() {
+  count_kept_sides();
+  std::vector<int> parent(solids_.size());  // solids that joints connect
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto root = [&](int i) {
+    while (parent[idx(i)] != i) i = parent[idx(i)] = parent[idx(parent[idx(i)])];
+    return i;
+  };
+  const auto moving = [&](const Joint& j) {
+    const auto [a, b] = bodies_of(j);
+    return solid(a) == ground_ ? solid(b) : solid(a);
+  };
+  for (const Joint& j : p_.joints) {
+    const auto [a, b] = bodies_of(j);
+    if (solid(a) != ground_ && solid(b) != ground_) parent[idx(root(solid(a)))] = root(solid(b));
+  }
+  std::map<int, int> left;  // of each connected part
+  for (const auto& [j, rows] : implied_) left[root(moving(*j))] += rows;
   std::map<const Joint*, int> count;
   for (const auto& [j, rows] : implied_) {
     const std::string zero = j->name + ".zero";
-    if (feature_of_.count(zero) == 0) declare(features_[add({zero, true, {}, true})]);
-    for (int k = 0; k < rows; ++k) {
+    for (int k = 0; k < rows && left[root(moving(*j))] > 0; ++k, --left[root(moving(*j))]) {
+      if (feature_of_.count(zero) == 0) declare(features_[add({zero, true, {}, true})]);
       p_.constraints.push_back({j->name + ".rest" + std::to_string(count[j]++), FixedCoordinate{zero + ".x", 0}});
     }
   }
@@ -133,6 +162,7 @@ void Expansion::tie(std::size_t t, std::map<std::string, std::vector<Member>>& p
       vectors[p_.bodies[b].name].push_back({side, at, true});
     }
     p_.constraints.push_back({stem + ".meet" + std::to_string(t), Dot{f.name, side, 0.0}});
+    if (by != put_there_by_.end()) implied_.emplace_back(by->second, 1);
     return;
   }
   if (solid.is_ground) {
