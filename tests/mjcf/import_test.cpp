@@ -379,5 +379,19 @@ TEST_F(Importing, IgnoredElementsAreCounted) {
   EXPECT_EQ(model.bodies, 2u);
 }
 
+// A weld to the world turned by pi, parallel to a ball joint: the body is held in the turned posture.
+TEST_F(Importing, AWeldMayTurnABodyByPi) {
+  const ImportedModel model = import(R"(<worldbody>
+      <body name="base"><joint name="b" type="ball"/><geom size="0.05"/><site name="s" pos="0.3 0 0"/>
+        <site name="t" pos="0 0.2 0.1"/></body>
+      <site name="goal" pos="0.3 0 0" quat="0 1 0 0"/>
+    </worldbody><equality><weld site1="goal" site2="s"/></equality>)");
+  Simulator simulator(prepare(model.scene));
+  const Trajectory motion = simulator.run();
+  ASSERT_TRUE(simulator.report().status.ok());
+  EXPECT_LE(norm(last(motion, "s") - V3{0.3, 0, 0}), 1e-12);
+  EXPECT_LE(norm(last(motion, "t") - V3{0, -0.2, -0.1}), 1e-12);
+}
+
 }  // namespace
 }  // namespace assur

@@ -7,7 +7,9 @@
 
 #include "assur/plan.hpp"
 #include "assur/scene.hpp"
+#include "assur/simulator.hpp"
 #include "assur/status.hpp"
+#include "assur/structure.hpp"
 
 namespace assur {
 namespace {
@@ -31,8 +33,6 @@ TEST(JointFiles, NameWrongBodies) {
             "scene: /joints/J/revolute/1: there is no body 'c'; there are: a, b, ground");
   EXPECT_EQ(with(2, R"("J": {"revolute": ["a", "a"], "at": [0, 0]})"),
             "scene: /joints/J: both bodies are 'a'; a joint connects two different bodies");
-  EXPECT_EQ(with(2, R"("F": {"fixed": ["a", "b"]}, "J": {"revolute": ["a", "b"], "at": [0, 0]})"),
-            "scene: /joints/J: 'a' and 'b' are fixed to each other; remove this joint");
   EXPECT_EQ(
       refusal(2, R"("bodies": {"a": {}, "b": {}, "c": {}}, "joints": {"J": {"revolute": ["a", "b"], "at": [0, 0]}})"),
       "scene: /bodies/c: no joint places this body; a body needs a base, joints, or \"rigid\" points");
@@ -205,6 +205,33 @@ TEST(JointFiles, NameCoordinatesThatOtherJointsLock) {
                        "K": {"revolute": ["ground", "a"], "at": [0, 0, 0], "axis": [0, 0, 1]}, "L": {"fixed": ["a", "b"]})",
                  R"(, "drivers": {"m": {"coordinate": "K.angle", "law": {"polynomial": [0, 1]}}})"),
             "accepted");
+}
+
+// A joint parallel to a fixed one cannot move. Its coordinates are the constant 0.
+TEST(JointFiles, AJointParallelToAFixedOneCannotMove) {
+  const std::string held = R"("K": {"revolute": ["ground", "a"], "at": [0, 0, 0], "axis": [0, 0, 1]},
+                              "F": {"fixed": ["a", "b"]},
+                              "J": {"cylindrical": ["a", "b"], "at": [1, 0, 0], "axis": [0, 1, 0]})";
+  const std::string driven = R"(, "drivers": {"m": {"coordinate": "J.angle", "law": {"polynomial": [0, 1]}}})";
+  EXPECT_EQ(with(3, held, driven),
+            "scene: /drivers/m/coordinate: joint 'J' cannot move, because fixed joints connect its bodies");
+  const Scene scene = parse_scene(
+      R"({"assur": 1, "name": "held", "dimension": 3, "bodies": {"a": {}, "b": {}}, "joints": {)" + held + R"(},
+          "drivers": {"m": {"coordinate": "K.angle", "law": {"polynomial": [0, 1]}}},
+          "measures": {"angle": {"coordinate": "J.angle"}, "way": {"coordinate": "J.displacement"}},
+          "outputs": ["J", "angle", "way"], "time": {"start": 0, "end": 1, "step": 0.5}})");
+  ASSERT_EQ(scene.warnings().size(), 1u);
+  EXPECT_EQ(scene.warnings()[0].where, "/joints/J");
+  EXPECT_EQ(scene.warnings()[0].what, "the joint cannot move, because fixed joints connect its bodies");
+  const Structure structure = analyze(scene);
+  EXPECT_EQ(structure.mobility, 1);
+  EXPECT_EQ(structure.redundant.size(), 4u);
+  Simulator simulator(prepare(scene));
+  const Trajectory motion = simulator.run();
+  ASSERT_TRUE(simulator.report().status.ok());
+  EXPECT_NEAR(motion.last("J.x"), std::cos(1), 1e-15);
+  EXPECT_EQ(motion.last("angle"), 0);
+  EXPECT_EQ(motion.last("way"), 0);
 }
 
 // Many wrong joints cost time in proportion to their number: only the first messages have a suggestion.
