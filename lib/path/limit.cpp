@@ -30,6 +30,37 @@ constexpr int kMoreHalvings = 6;        // halvings of the shortest step on the 
 constexpr double kApart = 1.0 / 16;  // part of that reach: least distance from the change point to the end of the step
 constexpr double kLittleLever = 1e-3;  // a lever below this part of its value at the start is about to vanish
 
+// Length of the way of a block's inputs between two postures.
+double way(const Singularity& far, const Singularity& near) {
+  double sum = 0;
+  for (std::size_t i = 0; i < near.reads.size(); ++i) sum = std::hypot(sum, near.reads[i] - far.reads[i]);
+  return sum;
+}
+
+// Near a singular posture the singular value is a parabola of the unknowns, whose way is that of the inputs over the
+// value. Returns its least value, minus infinity if it falls without end.
+double least_value(const Singularity& far, const Singularity& middle, const Singularity& near) {
+  const double before = 2 * way(far, middle) / (far.smallest + middle.smallest),
+               last = 2 * way(middle, near) / (middle.smallest + near.smallest);
+  const double falls = (middle.smallest - near.smallest) / last;
+  const double bend = ((far.smallest - middle.smallest) / before - falls) / (before + last);
+  const double slope = falls - bend * last;
+  return bend > 0 ? near.smallest - slope * slope / (4 * bend) : -kInfinity;
+}
+
+// True if the singular value of this block reaches zero ahead, by the last four postures that approached it. Close to a
+// cusp, turns_back() would see this only in postures that rounding does not allow.
+bool falls_to_zero(const std::vector<Singularity>& approach, const Status& where, std::int32_t block) {
+  std::vector<const Singularity*> of_block;
+  for (const Singularity& o : approach) {
+    if (o.status.where == where.where && o.block == block) of_block.push_back(&o);
+  }
+  if (of_block.size() < 4) return false;
+  const auto* const* const last = of_block.data() + of_block.size() - 4;
+  const double before = least_value(*last[0], *last[1], *last[2]), now = least_value(*last[1], *last[2], *last[3]);
+  return now == -kInfinity || now + std::abs(now - before) < 0;
+}
+
 }  // namespace
 
 // Decides why the shortest step fails: at a limit, at a change point that can be passed, or because shorter steps are
@@ -51,9 +82,13 @@ Status Continuation::at_the_limit(const Status& failed, double target, double t,
   double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
   Singularity nearest = levels_.solver(pack).diagnose(pack, q);
   Status found = nearest.status;
-  if (found.code == Code::limit_reached && !turns_back(std::move(nearest))) found.code = Code::branch_unknown;
   const double least = std::max(first * (kLeast / kSmallestStep), kResolved * std::max(std::abs(now_), std::abs(t)));
   const bool shorter = kShorter * shortest_ >= least;
+  const std::int32_t block = nearest.block;
+  if (found.code == Code::limit_reached && !turns_back(std::move(nearest)) &&
+      (shorter || !falls_to_zero(approach_, found, block))) {
+    found.code = Code::branch_unknown;
+  }
   // Close to a change point, rounding would choose one of the branches.
   const bool clear = found.code != Code::change_point_passed || (found.figure > kClear && shorter);
   if (!clear && is_avoided(target - now_, first)) found.code = Code::branch_unknown;
@@ -102,16 +137,11 @@ bool Continuation::turns_back(Singularity here) {
   const auto fall = [](const auto& far, const auto& near) {
     return far->smallest * far->smallest - near->smallest * near->smallest;
   };
-  const auto way = [](const auto& far, const auto& near) {
-    double sum = 0;
-    for (std::size_t i = 0; i < near->reads.size(); ++i) sum = std::hypot(sum, near->reads[i] - far->reads[i]);
-    return sum;
-  };
   const auto way_of_cubic = [](const auto& far, const auto& near) {
     return std::pow(far->smallest, 1.5) - std::pow(near->smallest, 1.5);
   };
   const double falls = fall(middle, last) / fall(first, middle);
-  const double slopes = falls * way(first, middle) / way(middle, last);
+  const double slopes = falls * way(*first, *middle) / way(*middle, *last);
   const double of_cubic = falls * way_of_cubic(first, middle) / way_of_cubic(middle, last);
   const double least = std::sqrt(of_cubic);  // halfway between both
   return slopes >= least && slopes <= 1 / least;
