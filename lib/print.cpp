@@ -42,7 +42,7 @@ std::string figures_of(const std::optional<double> (&figures)[3]) {
 std::ostream& operator<<(std::ostream& out, Code code) { return out << name(code); }
 
 std::ostream& operator<<(std::ostream& out, const Status& status) {
-  static constexpr std::string_view kPlaces[] = {"", "driver", "group", "lane", "member"};
+  static constexpr std::string_view kPlaces[] = {"", "driver", "group", "lane", "member", "target", "limit"};
   std::string text = status.code == Code::ok ? "ok" : explained(status.code);
   if (!status.where.is(Place::Kind::none)) {
     text += ", " + std::string(kPlaces[static_cast<std::size_t>(status.where.kind)]) + " " +

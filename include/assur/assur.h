@@ -67,7 +67,9 @@ enum assur_place {
   ASSUR_PLACE_DRIVER = 1,
   ASSUR_PLACE_GROUP = 2,
   ASSUR_PLACE_LANE = 3,
-  ASSUR_PLACE_MEMBER = 4
+  ASSUR_PLACE_MEMBER = 4,
+  ASSUR_PLACE_TARGET = 5, /* a controlled driver: its number is that of assur_simulator_driver() */
+  ASSUR_PLACE_LIMIT = 6   /* a limited quantity, which assur_simulator_place_name() names */
 };
 
 typedef struct assur_status {
@@ -147,6 +149,8 @@ int32_t assur_simulator_set(assur_simulator* simulator, size_t driver, double va
 int32_t assur_simulator_step(assur_simulator* simulator, assur_status* status);
 /* Moves to time t, s. If this fails, the simulator keeps the last good posture on the way and drops the targets. */
 int32_t assur_simulator_step_to(assur_simulator* simulator, double t, assur_status* status);
+/* Name of the object that a status of this simulator is about; "": none, NULL beyond the number of its kind. */
+const char* assur_simulator_place_name(const assur_simulator* simulator, int32_t place, int32_t index);
 /* 1 if a step with this outcome reached its time: ASSUR_OK or ASSUR_INACCURATE; else 0. */
 int32_t assur_arrived(int32_t code);
 

@@ -4,6 +4,7 @@
 // throws only what laws and callbacks throw.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <iosfwd>
@@ -76,8 +77,9 @@ struct StepLimits {
   // group iterate until they converge. 0: all groups do.
   int iterations = 0;
   int most_iterations = 12;  // a step is halved if a group needs more; at least 1; for groups whose number is not fixed
-  // s, time limit of one try of a step, also within run(), which then uses no chunks: Code::deadline; 0: none. Checked
-  // before each pack; with +together only once, before all groups.
+  // s, time limit of a call of step(), also within run(), which then uses no chunks: Code::deadline; 0: none. All work
+  // of the call shares it: both tries, the choice of other redundant equations, the search for the time of a limit, and
+  // the estimates of errors. Checked before each pack; with +together only once, before all groups.
   double seconds = 0;
   // Processors to pin threads to (Machine::cores), one for each of the P threads (RunSettings::threads); without effect
   // if P = 1. The calling thread is pinned during a call only. Pinned threads busy-wait within a step, so use dedicated
@@ -195,9 +197,8 @@ class Simulator {
   // follows its law again; status and events give the reason, and how far the mechanism could move. An exception from a
   // law or callback propagates and restores the state, too. Near a limit a driver may overshoot: if a
   // step fails while controlled drivers move, it is tried again, unless it ended as deadline or interrupted: all
-  // controlled drivers stop at once at the begin of the step, and move from rest to the same targets. The second try
-  // has a deadline of its own. If it succeeds, the status is that of the second try, and only Counters::rejected shows
-  // the first one.
+  // controlled drivers stop at once at the begin of the step, and move from rest to the same targets. If it succeeds,
+  // the status is that of the second try, and only Counters::rejected shows the first one.
   Status step();
 
   // Saves the state. The same steps from it then follow bit by bit, in this simulator or in another one of the same
@@ -247,6 +248,11 @@ class Simulator {
   // Returns to the assembled start posture, and clears the report and all targets of drivers.
   void reset();
 
+  // Names of the limited quantities, in the order of Place::limit().
+  [[nodiscard]] std::vector<std::string> limits() const;
+  // Name of the object that a status of this simulator is about; "" if it is none. The index is not checked.
+  [[nodiscard]] const std::string& name_of(Place place) const;
+
   // Names of the outputs, as in Trajectory::columns().
   [[nodiscard]] const std::vector<std::string>& columns() const;
   // All outputs at time() in SI units, in the order of columns().
@@ -289,6 +295,7 @@ class Simulator {
   [[nodiscard]] bool run_in_chunks(std::span<const double> times, const Observer& observer, Trajectory& out);
   friend std::vector<double> posture_of(const Simulator& simulator);  // for use inside the library
   friend Status step_of_run(Simulator& simulator, double t);          // the same: as step(t), but keeps all events
+  friend void use_clock(Simulator& simulator, std::chrono::steady_clock::time_point (*clock)());  // for tests
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

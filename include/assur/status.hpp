@@ -77,6 +77,8 @@ struct Place {
     group,   // of Structure::groups
     lane,    // of a linear solver, or of mechanisms that are solved side by side
     member,  // of an ensemble
+    target,  // of Simulator::drivers(): a controlled driver, or one value of a controlled pose
+    limit,   // of Simulator::limits()
   };
   std::int32_t index = -1;  // counted from 0; -1 if the kind is none
   Kind kind = Kind::none;   // type of the object
@@ -94,13 +96,19 @@ struct Place {
   // The i-th member of the ensemble, counted from 0.
   [[nodiscard]] static constexpr Place member(std::int32_t i) noexcept { return {Kind::member, i}; }
 
+  // The i-th controlled driver.
+  [[nodiscard]] static constexpr Place target(std::int32_t i) noexcept { return {Kind::target, i}; }
+  // The i-th limited quantity.
+  [[nodiscard]] static constexpr Place limit(std::int32_t i) noexcept { return {Kind::limit, i}; }
+
   // True if the object is of this type.
   [[nodiscard]] constexpr bool is(Kind k) const noexcept { return kind == k; }
   friend constexpr bool operator==(const Place&, const Place&) = default;
 };
 
 // Outcome of a numerical operation, with the object and the figure that it is about. print.hpp prints it; a group has
-// its name from Structure::name_of(), and the events of the report have the details.
+// its name from Structure::name_of(), every object of a simulator from Simulator::name_of(), and the events of the
+// report have the details.
 struct [[nodiscard]] Status {
   // The code lies in the padding of the place: functions return 16 bytes in registers.
   [[no_unique_address]] Place where;  // the object that failed, or whose error is the largest

@@ -2,6 +2,7 @@
 
 #include "c/handles.hpp"
 #include "numbers.hpp"
+#include "scene/system.hpp"
 
 using namespace assur;
 using assur::c::call;
@@ -88,6 +89,19 @@ std::int32_t assur_simulator_set(assur_simulator* simulator, std::size_t driver,
     of.simulator.set(handle, value, rate, acceleration);
     return ASSUR_OK;
   });
+}
+
+const char* assur_simulator_place_name(const assur_simulator* simulator, std::int32_t place, std::int32_t index) {
+  if (simulator == nullptr) return nullptr;
+  const Simulator& of = simulator->simulator;
+  const auto among = [&](const auto& all) { return index >= 0 && static_cast<std::size_t>(index) < all.size(); };
+  const bool is_known = place == ASSUR_PLACE_DRIVER   ? among(of.prepared().structure->system->drivers)
+                        : place == ASSUR_PLACE_GROUP  ? among(of.prepared().structure->groups)
+                        : place == ASSUR_PLACE_TARGET ? among(simulator->driver_names)
+                        : place == ASSUR_PLACE_LIMIT  ? among(of.limits())
+                                                      : false;
+  if (!is_known) return place == ASSUR_PLACE_NONE ? "" : nullptr;
+  return of.name_of({static_cast<Place::Kind>(place), index}).c_str();
 }
 
 std::int32_t assur_simulator_step(assur_simulator* simulator, assur_status* status) {

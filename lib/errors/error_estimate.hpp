@@ -8,6 +8,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -57,14 +58,33 @@ class ErrorEstimate {
   template <class Each>
   void measure(std::span<const double> times, const double* const (&state)[3], std::span<const double* const> rows,
                std::span<const double* const> divisors, const Each& each) {
+    (void)measure(times, state, rows, divisors, each, [] { return false; });
+  }
+  // The same, unless late(), which is asked before each pack, becomes true: then nothing is measured, due() remains
+  // true, and the result is false.
+  template <class Each, class Late>
+  [[nodiscard]] bool measure(std::span<const double> times, const double* const (&state)[3],
+                             std::span<const double* const> rows, std::span<const double* const> divisors,
+                             const Each& each, const Late& late) {
     begin(times, state);
+    std::atomic<bool> ends = false;
     each([&](std::size_t p, GroupSolver& solver) {
+      if (ends || late()) {
+        ends = true;
+        return;
+      }
       const PackLimit& limit = layout_.limits[p];
       if (limit.exists()) solver.perturb(layout_.packs[p], limit, state, probes(), seed_);
       regular_[p] = limit.exists() || solver.perturb(layout_.packs[p], state, probes(), seed_) ? 1 : 0;
     });
+    if (ends) {
+      steps_ = interval_;
+      --measurements_;
+      return false;
+    }
     finish(state, rows);
     for (std::size_t i = 0; i < used_; ++i) watch_divisors(mechanisms_[i], divisors[i]);
+    return true;
   }
 
   // Includes the measurement in the errors of the run. The status of the step must then follow in_doubt().

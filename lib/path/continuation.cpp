@@ -94,7 +94,11 @@ void Continuation::keep_what_is_read(std::vector<std::uint8_t> marked) {
 void Continuation::start(double time, const std::vector<double>& posture, const Continuation* before) {
   now_ = time;
   selected_at_ = before != nullptr ? time : kNan;
-  deadline_ = std::chrono::steady_clock::time_point::max();  // deadlines hold for steps only
+  if (before != nullptr) {
+    take_clock(*before);
+  } else {
+    deadline_ = std::chrono::steady_clock::time_point::max();  // deadlines hold for steps only
+  }
   inputs_.reset();
   if (before != nullptr) inputs_.take(before->inputs_.controls());
   watched_level_ = 0;
@@ -157,11 +161,11 @@ void Continuation::save(Snapshot& into, bool in_step) const {
     packs_[p].save(into.packs[p]);
   }
   into.errors = last_errors_;
-  into.converged = converged_;
+  into.converged = in_step ? at_begin_.converged : converged_;
   into.time = now_;
   into.selected_at = selected_at_;
-  into.turn_guessed = turn_guessed_;
-  into.watched_level = watched_level_;
+  into.turn_guessed = in_step ? at_begin_.turn_guessed : turn_guessed_;
+  into.watched_level = in_step ? at_begin_.watched_level : watched_level_;
   into.poor = poor_;
   into.largest_coefficient = largest_coefficient_;
   into.since_measured = measured_at_ < 0 ? kNeverMeasured : report_.counters.branch_checks - measured_at_;
@@ -448,8 +452,11 @@ void Continuation::accept(double t, const StepErrors& errors) {
   errors.add_to(report_.error);
 }
 
-bool Continuation::deadline_passed() const {
-  return limits_.seconds > 0 && std::chrono::steady_clock::now() > deadline_;
+void Continuation::start_clock() {
+  if (limits_.seconds <= 0) return;
+  constexpr double kLongestTime = 1e9;  // 30 years; the clock counts nanoseconds up to 300
+  deadline_ = clock_() + std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+                             std::chrono::duration<double>(std::min(limits_.seconds, kLongestTime)));
 }
 
 // ---- one step
@@ -459,12 +466,7 @@ Status Continuation::step_to(double t, bool may_reselect, Stride& stride) {
   divided_ = false;
   if (t == now_) return {};
   if (const Status s = check_aim(t); !s.ok()) return s;
-  if (limits_.seconds > 0) {
-    constexpr double kLongestTime = 1e9;  // 30 years; the clock counts nanoseconds up to 300
-    deadline_ =
-        std::chrono::steady_clock::now() + std::chrono::duration_cast<std::chrono::steady_clock::duration>(
-                                               std::chrono::duration<double>(std::min(limits_.seconds, kLongestTime)));
-  }
+  at_begin_ = {converged_, watched_level_, turn_guessed_};
   const int patience = stride.patience;
   Status status;
   try {
@@ -600,11 +602,11 @@ Status Continuation::check_aim(double t) {
     return {Code::not_finite, {}, t};
   }
   double value = 0;
-  const std::string* const driver = inputs_.not_finite(value);
-  if (driver == nullptr) return {};
-  record({now_, t, *driver, Code::not_finite, value}, std::abs(t - now_));
+  const std::int32_t driver = inputs_.not_finite(value);
+  if (driver < 0) return {};
+  record({now_, t, inputs_.controls()[idx(driver)].name, Code::not_finite, value}, std::abs(t - now_));
   inputs_.drop_pending();
-  return {Code::not_finite, {}, value};
+  return {Code::not_finite, Place::target(driver), value};
 }
 
 // No set is chosen again close to the last choice: near a fold no set helps, and sets would alternate.

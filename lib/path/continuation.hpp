@@ -106,6 +106,27 @@ class Continuation {
   // After a step that failed: all drivers that were set stand still, and targets are dropped.
   void rest();
 
+  using Clock = std::chrono::steady_clock::time_point (*)();
+  // Begins a call, whose work shares one deadline (StepLimits::seconds).
+  void start_clock();
+  void use_clock(Clock clock) { clock_ = clock; }
+  // Continues the call of another continuation.
+  void take_clock(const Continuation& other) {
+    clock_ = other.clock_;
+    deadline_ = other.deadline_;
+  }
+  [[nodiscard]] std::chrono::steady_clock::time_point now() const { return clock_(); }
+  // False if work that takes so long would not end before the deadline.
+  [[nodiscard]] bool has_time_for(std::chrono::steady_clock::duration work) const {
+    return limits_.seconds <= 0 || work < deadline_ - clock_();
+  }
+  [[nodiscard]] bool deadline_passed() const { return limits_.seconds > 0 && clock_() > deadline_; }
+  [[nodiscard]] Status late() const { return {Code::deadline, {}, limits_.seconds}; }
+
+  // Later events may join those of the report from this one on.
+  [[nodiscard]] std::size_t events_joined_from() const { return joined_from_; }
+  void join_events_from(std::size_t first) { joined_from_ = first; }
+
   // Rejected attempts at the current step. After 10,000 the step fails as branch_unknown. The first part of a step
   // begins to count at 0; further parts continue.
   [[nodiscard]] std::int64_t rejected() const { return rejected_; }
@@ -173,7 +194,6 @@ class Continuation {
   [[nodiscard]] Status check_levers(std::size_t begin, std::size_t end, double seconds);
   void tell(const Status& stopped, double target);
   void accept(double t, const StepErrors& errors);
-  [[nodiscard]] bool deadline_passed() const;
   [[nodiscard]] Status check_aim(double t);
   [[nodiscard]] Status advance(double t, bool may_reselect, Stride& stride);
   void end_step(bool arrived);
@@ -240,13 +260,20 @@ class Continuation {
   double largest_correction_ = 0;  // of a step through a change point, relative to the predicted move
   std::function<void()> before_dividing_;
   bool divided_ = false;  // the current step was divided, or it failed
+  // At the begin of the current step; attempts that fail change them before save() is called.
+  struct {
+    double converged, watched_level;
+    bool turn_guessed;
+  } at_begin_{};
   bool wants_reselection_ = false;
   double selected_at_ = kNan;    // time of the last reselection that was tried
   std::size_t failed_pack_ = 0;  // of the last attempt; the number of packs: none
   std::vector<Lever> levers_;    // known ones first, then those that are unknowns
   std::size_t known_levers_ = 0;
   bool vanished_ = false;  // a lever vanished in the last attempt
-  std::chrono::steady_clock::time_point deadline_;
+  Clock clock_ = &std::chrono::steady_clock::now;
+  std::chrono::steady_clock::time_point deadline_ = std::chrono::steady_clock::time_point::max();
+  std::size_t joined_from_ = 0;
 };
 
 }  // namespace assur

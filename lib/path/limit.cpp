@@ -70,6 +70,7 @@ Status Continuation::at_the_limit(const Status& failed, double target, double t,
   expand();
   failed_pack_ = at_fault;
   state_.restore();
+  if (deadline_passed()) return late();
   for (const Lever& l : levers_) {
     const double lever = state_.at(0)[l.address];
     if (lever > kLittleLever * l.start) continue;
@@ -100,6 +101,7 @@ Status Continuation::at_the_limit(const Status& failed, double target, double t,
   if (found.code == Code::change_point_passed && !arrive_on_change_point(t, target - now_) && !pass(target, t, first)) {
     found.code = Code::branch_unknown;
   }
+  if (found.code == Code::branch_unknown && deadline_passed()) return late();
   const bool unclear = failed.code == Code::not_converged && found.figure > 0.05;
   if (found.code == Code::branch_unknown && (failed.code == Code::not_finite || unclear)) found = failed;
   const bool passed = found.code == Code::change_point_passed;
@@ -190,13 +192,17 @@ bool Continuation::is_avoided(double h, double first) {
   return nearer > std::abs(farther - nearer) + kSeen * kSeen;
 }
 
-// Joins an event with the last one if both belong to the same change point.
+// Joins an event with the last one if both belong to the same change point. The same failure in the next step replaces
+// the last one: the bracket of its time belongs to one way only.
 void Continuation::record(Event event, double step) {
-  if (!report_.events.empty()) {
+  if (report_.events.size() > joined_from_) {
     Event& before = report_.events.back();
     if (before.kind == event.kind && before.group == event.group && std::abs(event.time - before.until) <= step) {
-      before.until = event.until;
-      before.figure = std::min(before.figure, event.figure);
+      if (event.kind == Code::change_point_passed) {
+        event.time = before.time;
+        event.figure = std::min(before.figure, event.figure);
+      }
+      before = std::move(event);
       return;
     }
   }

@@ -53,7 +53,7 @@ Status Continuation::check_limits(double target, StepErrors& errors) {
   }
   if (!ends && !s.ok()) return s;
   for (const LimitWatch::Change& c : changes) report_.events.push_back(limit_watch_->event(c));
-  return ends ? Status{Code::stop_reached, {}, report_.events.back().figure} : Status{};
+  return ends ? limit_watch_->status(changes.back()) : Status{};
 }
 
 // Checks the way over a change point, whose postures are accepted already.
@@ -69,7 +69,7 @@ Status Continuation::check_limits_passed(double change) {
       (void)walk(change, to - change, change);
       passes_ = false;
       state_.restore();
-      return {Code::stop_reached, {}, report_.events.back().figure};
+      return limit_watch_->status(changes.back());
     }
   }
   limit_watch_->accept();

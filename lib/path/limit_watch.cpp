@@ -80,6 +80,14 @@ Quintic::Extrema Quintic::extrema() const {
   return found;
 }
 
+std::vector<Index> limited_quantities(const System& system) {
+  std::vector<Index> out;
+  for (const Bound& b : system.bounds) {
+    if (std::find(out.begin(), out.end(), b.measure) == out.end()) out.push_back(b.measure);
+  }
+  return out;
+}
+
 LimitWatch::LimitWatch(const System& system, std::span<const std::int32_t> address)
     : system_(system), outputs_(system, address, limited_outputs(system)), turns_(outputs_) {
   const std::vector<Output> outputs = limited_outputs(system);
@@ -92,6 +100,11 @@ LimitWatch::LimitWatch(const System& system, std::span<const std::int32_t> addre
     sides_.push_back({kJet * column, b.is_max ? 1.0 : -1.0, kRounding * size, kHidden * size});
   }
   bows_.resize(sides_.size());
+  const std::vector<Index> quantities = limited_quantities(system);
+  for (const Bound& b : system.bounds) {
+    limits_.push_back(
+        static_cast<std::int32_t>(std::find(quantities.begin(), quantities.end(), b.measure) - quantities.begin()));
+  }
   angles_ = outputs_.angles();
   no_turns_.resize(angles_.size());
   divisors_.resize(outputs_.measures());

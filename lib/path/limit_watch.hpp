@@ -37,6 +37,9 @@ class Quintic {
   std::array<double, 6> c_;
 };
 
+// The measures with bounds, in their order, each once.
+[[nodiscard]] std::vector<Index> limited_quantities(const System& system);
+
 // The bounds of one mechanism.
 class LimitWatch {
  public:
@@ -76,6 +79,10 @@ class LimitWatch {
   // solves the posture at a time on the way and returns its coordinates by address, or null.
   [[nodiscard]] std::vector<Change> changes(const std::function<const double*(double)>& solve);
   [[nodiscard]] bool ends(const Change& change) const { return change.leaves && system_.bounds[change.bound].ends; }
+  // The status of a motion that ends at this change.
+  [[nodiscard]] Status status(const Change& change) const {
+    return {Code::stop_reached, Place::limit(limits_[change.bound]), system_.bounds[change.bound].value};
+  }
   // After may_change(): accepts that posture.
   void accept();
 
@@ -122,9 +129,10 @@ class LimitWatch {
   const System& system_;
   OutputProgram outputs_;
   AngleTurns turns_;
-  std::vector<std::size_t> angles_;  // columns of signed angles
-  std::vector<Side> sides_;          // one for each bound
-  std::vector<double> bows_;         // one for each bound, see measure()
+  std::vector<std::size_t> angles_;   // columns of signed angles
+  std::vector<Side> sides_;           // one for each bound
+  std::vector<double> bows_;          // one for each bound, see measure()
+  std::vector<std::int32_t> limits_;  // bounds: index into limited_quantities()
   std::vector<double> no_turns_, divisors_;
   std::vector<double> now_, next_, probe_;  // rows: value, rate and acceleration of each quantity
   std::vector<double> values_;              // values in now_

@@ -2,6 +2,7 @@
 // the result.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -65,6 +66,11 @@ class DriveProgram {
   void place_as(const DriveProgram& other, double* const (&state)[3], std::size_t stride) const;
   // After place(): false if the time is outside a table, or if a law is not finite.
   [[nodiscard]] bool defined() const;
+  // After evaluate() or replace(): true if value, rate and acceleration of this law are finite.
+  [[nodiscard]] bool finite(std::int32_t slot) const {
+    const auto i = static_cast<std::size_t>(slot);
+    return std::isfinite(jets_[0][i] + jets_[1][i] + jets_[2][i]);
+  }
   // The reason at time t: out_of_range or not_finite.
   [[nodiscard]] static Code why_undefined(const System& system, double t);
 

@@ -142,8 +142,21 @@ Status Inputs::drive(double t, double* const (&state)[3]) {
     program_.expand(t - expanded_about_);
   }
   program_.place(state);
-  if (!program_.defined()) return {DriveProgram::why_undefined(system_, t), {}, t};
-  return {};
+  return program_.defined() ? Status{} : why_undefined(t);
+}
+
+// The driver whose law has no value.
+Status Inputs::why_undefined(double t) const {
+  const Code code = DriveProgram::why_undefined(system_, t);
+  for (std::size_t i = 0; i < system_.inputs.size(); ++i) {
+    const DriverInput& in = system_.inputs[i];
+    for (std::size_t k = 0; k < in.laws.size(); ++k) {
+      const std::int32_t slot = program_.slot(i, static_cast<int>(k));
+      const bool fails = slot >= 0 && (code == Code::out_of_range ? !in.laws[k].covers(t) : !program_.finite(slot));
+      if (fails) return {code, Place::driver(in.driver), t};
+    }
+  }
+  return {code, {}, t};
 }
 
 bool Inputs::renew_bows(double from, double to) {
@@ -201,16 +214,17 @@ std::size_t Inputs::index(std::string_view driver) const {
                   (known.empty() ? "; name it in PrepareOptions::controlled" : known_instead(driver, known)));
 }
 
-const std::string* Inputs::not_finite(double& value) const {
-  for (const Control& c : controls_) {
+std::int32_t Inputs::not_finite(double& value) const {
+  for (std::size_t i = 0; i < controls_.size(); ++i) {
+    const Control& c = controls_[i];
     if (!c.pending) continue;
     for (const double v : {c.next.value, c.next.rate, c.next.acceleration}) {
       if (std::isfinite(v)) continue;
       value = v;
-      return &c.name;
+      return static_cast<std::int32_t>(i);
     }
   }
-  return nullptr;
+  return -1;
 }
 
 void Inputs::drop_pending() {

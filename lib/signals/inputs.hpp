@@ -89,8 +89,8 @@ class Inputs {
   // Sets the target of this driver for the next step. Throws Error (input) for a number of no driver, or of a driver
   // among other `names`.
   void set(std::size_t driver, std::size_t names, const Motion& motion);
-  // The first driver whose target is not finite, with that number; null if there is none.
-  [[nodiscard]] const std::string* not_finite(double& value) const;
+  // The first controlled driver whose target is not finite, with that number; -1 if there is none.
+  [[nodiscard]] std::int32_t not_finite(double& value) const;
   // Forgets the targets of the next step.
   void drop_pending();
   // Begins a step in which the controlled drivers run from their current motion to their targets. Exceptions from laws
@@ -128,6 +128,7 @@ class Inputs {
 
  private:
   void add_control(std::string name, std::size_t input, int law);
+  [[nodiscard]] Status why_undefined(double t) const;
   static bool comes_to_rest(Control& c);  // true if it was moving
   [[nodiscard]] Motion motion_by_law(const Control& c, double t) const {
     return system_.inputs[c.input].laws[static_cast<std::size_t>(c.law)](t);

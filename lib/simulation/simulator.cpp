@@ -22,6 +22,10 @@ bool is_passage(const Event& e) { return e.kind == Code::limit_exceeded || e.kin
 
 std::vector<double> posture_of(const Simulator& simulator) { return simulator.impl_->motion.posture(); }
 
+void use_clock(Simulator& simulator, std::chrono::steady_clock::time_point (*clock)()) {
+  simulator.impl_->motion.use_clock(clock);
+}
+
 Simulator::Simulator(Prepared prepared, StepLimits limits) {
   check_limits(limits);
   const double start = prepared.start_time.value_or(prepared.time.start);
@@ -55,11 +59,14 @@ Status Simulator::go_to(double t) {
   if (const Status s = impl_->check_functions(t); !s.ok()) return s;
   Status status = impl_->step_to(t, true);
   if (impl_->motion.wants_reselection()) {
-    if (auto next = impl_->reselected()) {
-      impl_ = std::move(next);
+    if (impl_->motion.deadline_passed()) {
+      status = impl_->report.status = impl_->motion.late();
+    } else if (auto next = impl_->reselected()) {
+      Impl::replace(impl_, std::move(next));
       return go_to(t);
+    } else {
+      status = impl_->step_to(t, false);
     }
-    status = impl_->step_to(t, false);
   }
   if (!impl_->undivided) {
     impl_->in_one_piece = false;
@@ -67,7 +74,7 @@ Status Simulator::go_to(double t) {
     impl_->in_one_piece = true;
   }
   if (!status.ok() || t == from) return status.ok() ? impl_->tell_verdict(from) : status;
-  if (auto next = impl_->reselected_if_poor()) impl_ = std::move(next);
+  if (auto next = impl_->reselected_if_poor()) Impl::replace(impl_, std::move(next));
   return impl_->check_accuracy(from);
 }
 
@@ -104,6 +111,7 @@ Status Simulator::step() {
     if (!may_repeat || !impl_->motion.ask_again_from_rest()) return status;
     const std::size_t failed = impl_->report.events.size();
     impl_->motion.count_rejected_from(0);
+    impl_->motion.join_events_from(failed);  // the times of an event belong to one try
     const Status again = go_to(t);
     std::vector<Event>& all = impl_->report.events;
     const auto begin = all.begin() + static_cast<std::ptrdiff_t>(events),
@@ -183,6 +191,32 @@ std::vector<std::string> Simulator::drivers() const {
   std::vector<std::string> names;
   for (const Inputs::Control& c : impl_->motion.inputs().controls()) names.push_back(c.name);
   return names;
+}
+
+std::vector<std::string> Simulator::limits() const {
+  std::vector<std::string> names;
+  for (const Index m : limited_quantities(impl_->system)) names.push_back(impl_->system.measures[idx(m)].name);
+  return names;
+}
+
+const std::string& Simulator::name_of(Place place) const {
+  static const std::string kNone;
+  const System& system = impl_->system;
+  switch (place.kind) {
+    case Place::Kind::driver:
+      return system.drivers[idx(place.index)];
+    case Place::Kind::group:
+      return impl_->structure.groups[idx(place.index)].name;
+    case Place::Kind::target:
+      return impl_->motion.inputs().controls()[idx(place.index)].name;
+    case Place::Kind::limit:
+      return system.measures[idx(limited_quantities(system)[idx(place.index)])].name;
+    case Place::Kind::none:
+    case Place::Kind::lane:
+    case Place::Kind::member:
+      break;
+  }
+  return kNone;
 }
 
 const OutputJacobian& Simulator::jacobian() {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -51,8 +52,9 @@ struct Simulator::Impl {
   // Only this part of the accuracy is used: conditions may grow before they are measured again, independently at each
   // level.
   static constexpr double kMargin = 16;
-  static constexpr int kMostLevels = 8;     // further levels are ignored
-  static constexpr double kLoosest = 1e-6;  // largest residual at which an equation counts as solved
+  static constexpr int kMostLevels = 8;      // further levels are ignored
+  static constexpr double kLoosest = 1e-6;   // largest residual at which an equation counts as solved
+  static constexpr int kMostPostponed = 16;  // measurements of errors in a row for which a deadline left no time
 
   // start() or restore() sets the posture.
   Impl(std::shared_ptr<const Prepared> p, StepLimits l)
@@ -135,6 +137,8 @@ struct Simulator::Impl {
     began = nullptr;
     undivided = true;
     motion.count_rejected_from(0);
+    motion.join_events_from(0);
+    motion.start_clock();
   }
 
   Status step_to(double t, bool may_reselect) {
@@ -181,6 +185,7 @@ struct Simulator::Impl {
     const double* const divided_by = divisors.data();
     const bool due = estimate.due(report.counters.branch_checks, q, motion.errors().worst(), {&divided_by, 1});
     if (due || motion.on_change_point()) judge();
+    if (postponed >= kMostPostponed) verdict = {Code::inaccurate, {}, kInfinity};
     return verdict.ok() && !motion.turn_guessed() ? Status{} : tell_verdict(from);
   }
 
@@ -202,11 +207,16 @@ struct Simulator::Impl {
     return s;
   }
 
+  // If the deadline passes before the errors are measured, the next step measures them.
   void judge() {
-    measure();
+    if (!measure()) {
+      ++postponed;
+      return;
+    }
+    postponed = 0;
     if (estimate.in_doubt() && motion.converged() > estimate.best() && motion.polish(estimate.best())) {
       fill_row();
-      measure();
+      (void)measure();
     }
     double converged = kConverged;
     if (prepared.plan.accuracy > 0) {
@@ -231,15 +241,17 @@ struct Simulator::Impl {
                estimate.now().worst()};
   }
 
-  void measure() {
+  bool measure(bool in_time = true) {
     const double* const q[3] = {motion.at(0), motion.at(1), motion.at(2)};
     const double now = motion.time();
     const double *const of = row.data(), *const divided_by = divisors.data();
-    estimate.measure({&now, 1}, q, {&of, 1}, {&divided_by, 1}, [&](const auto& work) { motion.levels().each(work); });
+    return estimate.measure(
+        {&now, 1}, q, {&of, 1}, {&divided_by, 1}, [&](const auto& work) { motion.levels().each(work); },
+        [&] { return in_time && motion.deadline_passed(); });
   }
 
   std::vector<GroupFigures> examine() {
-    measure();
+    (void)measure(false);
     settle();
     (void)tell_verdict(motion.time());
     std::vector<GroupFigures> all(structure.groups.size());
@@ -303,23 +315,59 @@ struct Simulator::Impl {
     earlier_error = other.earlier_error;
     earlier_effort = other.earlier_effort;
     earlier_effort += other.motion.levels().effort();
+    others = std::move(other.others);
     in_one_piece = other.in_one_piece;
     inside = std::move(other.inside);
     divided = std::move(other.divided);
     began = other.began;
     undivided = other.undivided;
     motion.count_rejected_from(other.motion.rejected());
+    motion.join_events_from(other.motion.events_joined_from());
+    motion.take_clock(other.motion);
+    slowest_choice = other.slowest_choice;
+    postponed = other.postponed;
   }
 
-  // Restores the simulator with the equations of that time.
+  void discount(const Effort& counted) {
+    earlier_effort.redone -= counted.redone;
+    earlier_effort.renewed -= counted.renewed;
+    earlier_effort.refined -= counted.refined;
+    earlier_effort.unplanned -= counted.unplanned;
+    earlier_effort.in_double -= counted.in_double;
+  }
+
+  // Restores the simulator with the equations of that time. A simulator that has solved them before still has the pivot
+  // orders of that time.
   static void restore(std::unique_ptr<Impl>& impl, const Snapshot& from) {
     if (impl->structure.checks != from.prepared->structure->checks) {
-      auto next = std::make_unique<Impl>(from.prepared, impl->limits);
-      next->motion.restart_solvers();
+      std::unique_ptr<Impl> next = impl->known(from.prepared->structure->checks);
+      if (!next) {
+        next = std::make_unique<Impl>(from.prepared, impl->limits);
+        next->motion.restart_solvers();
+      }
       next->take_over(*impl);
-      impl = std::move(next);
+      next->discount(next->motion.levels().effort());  // it was counted when that simulator was left
+      replace(impl, std::move(next));
     }
     impl->restore(from);
+  }
+
+  // Takes out the simulator that watches these equations; null if there is none.
+  std::unique_ptr<Impl> known(const std::vector<std::int32_t>& checks) {
+    const auto found =
+        std::find_if(others.begin(), others.end(), [&](const auto& o) { return o->structure.checks == checks; });
+    if (found == others.end()) return nullptr;
+    std::unique_ptr<Impl> out = std::move(*found);
+    others.erase(found);
+    return out;
+  }
+
+  // Keeps the present simulator for a return to its equations.
+  static void replace(std::unique_ptr<Impl>& impl, std::unique_ptr<Impl> next) {
+    next->others.reserve(kMostOthers);
+    if (next->others.size() == kMostOthers) next->others.erase(next->others.begin());
+    next->others.push_back(std::move(impl));
+    impl = std::move(next);
   }
 
   // ---- redundant equations
@@ -327,12 +375,17 @@ struct Simulator::Impl {
   // The same motion with another independent set of the redundant equations, chosen at the last accepted posture. Null
   // if that set is the current one, or if it cannot be started there.
   std::unique_ptr<Impl> reselected() {
+    if (!motion.has_time_for(slowest_choice)) return nullptr;
+    const auto began_at = motion.now();
     try {
       Prepared chosen = prepared.reselect(motion.posture(), motion.time());
+      slowest_choice = std::max(slowest_choice, motion.now() - began_at);
       if (chosen.structure->checks != structure.checks) {
         chosen.reselect = prepared.reselect;
-        auto next = std::make_unique<Impl>(std::make_shared<const Prepared>(std::move(chosen)), limits);
-        next->start(motion.time(), next->structure.start, this);
+        const std::vector<double> posture = chosen.structure->start;
+        std::unique_ptr<Impl> next = known(chosen.structure->checks);
+        if (!next) next = std::make_unique<Impl>(std::make_shared<const Prepared>(std::move(chosen)), limits);
+        next->start(motion.time(), posture, this);
         const ErrorFigures there = next->report.error;
         next->take_over(*this);
         next->report.error.merge(there);
@@ -444,8 +497,13 @@ struct Simulator::Impl {
   ErrorFigures earlier_error;            // estimated errors of the chunks
   std::unique_ptr<OutputSlopes> slopes;  // null before the first jacobian()
   std::size_t own_lines = 0;             // lines that report_effort() added at the end of report.fallbacks
+  // Simulators of the same motion with other sets of the redundant equations, the latest one last.
+  static constexpr std::size_t kMostOthers = 4;
+  std::vector<std::unique_ptr<Impl>> others;
   std::int64_t reselections = 0;
-  double first_reselection = 0;  // time
+  double first_reselection = 0;                           // time
+  std::chrono::steady_clock::duration slowest_choice{0};  // time that a choice of other equations took
+  int postponed = 0;                                      // measurements of errors that were due and not in time
 };
 
 }  // namespace assur

@@ -6,7 +6,7 @@ namespace {
 
 std::string text_of(const Status& s) {
   std::string out = "Status('" + std::string(name(s.code)) + "'";
-  const char* const kinds[] = {"", "driver", "group", "lane", "member"};
+  const char* const kinds[] = {"", "driver", "group", "lane", "member", "target", "limit"};
   if (!s.where.is(Place::Kind::none)) {
     out += ", " + std::string(kinds[static_cast<std::size_t>(s.where.kind)]) + "=" + std::to_string(s.where.index);
   }
@@ -59,7 +59,7 @@ void add_errors(py::module_& m) {
                     "Size of what the status is about: an estimated error, a residual, a time in s; 0 if none.")
       .def_property_readonly(
           "index", [](const Status& s) { return s.where.index; },
-          "Number of the driver, group or member that the status is about; -1 if none.")
+          "Number of the object that the status is about, which Simulator.name_of() names; -1 if none.")
       .def("__bool__", &Status::arrived)
       .def("__eq__", [](const Status& s, const std::string& code) { return name(s.code) == code; })
       .def("__repr__", [](const Status& s) { return text_of(s); });

@@ -87,6 +87,20 @@ TEST(C, StepsWithoutATimeGridReachTheirTargets) {
   EXPECT_NEAR(std::hypot(now, assur_simulator_outputs(r.every)[y]), 1.6, 1e-14);
 }
 
+TEST(C, StatusesNameTheirDriver) {
+  const Robot r(true);
+  assur_status status;
+  ASSERT_EQ(assur_simulator_set(r.every, 2, std::nan(""), 0, 0), ASSUR_OK);
+  EXPECT_EQ(assur_simulator_step(r.every, &status), ASSUR_NOT_FINITE);
+  EXPECT_EQ(status.place, ASSUR_PLACE_TARGET);
+  EXPECT_EQ(status.index, 2);
+  EXPECT_STREQ(assur_simulator_place_name(r.every, status.place, status.index), "leg3");
+  EXPECT_STREQ(assur_simulator_place_name(r.every, ASSUR_PLACE_DRIVER, 0), "leg1");
+  EXPECT_STREQ(assur_simulator_place_name(r.every, ASSUR_PLACE_NONE, -1), "");
+  EXPECT_EQ(assur_simulator_place_name(r.every, ASSUR_PLACE_LIMIT, 0), nullptr);
+  EXPECT_EQ(assur_simulator_place_name(r.every, ASSUR_PLACE_TARGET, 3), nullptr);
+}
+
 // One simulator gets all commands, its twin those that succeed.
 TEST(C, RandomCommandsLeaveTheBitsOfATwin) {
   Robot r(true);

@@ -119,3 +119,12 @@ def test_random_commands_leave_the_bits_of_a_twin():
         assert every.time == twin.time, k
         assert numpy.array_equal(every.outputs, twin.outputs), k
     assert failed > cycles / 20 and arrived > cycles / 4
+
+
+def test_statuses_name_their_driver():
+    prepared, _ = robot()
+    simulator = assur.Simulator(prepared)
+    assert simulator.name_of(simulator.step()) == ""
+    simulator.set("leg3", math.inf)
+    status = simulator.step()
+    assert status == "not_finite" and status.index == 2 and simulator.name_of(status) == "leg3"

@@ -2,8 +2,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
 
 #include "backends/allocations.hpp"
+#include "simulation/delta_robot.hpp"
 #include "simulation/limited.hpp"
 #include "simulation/run.hpp"
 
@@ -285,6 +289,121 @@ TEST(Control, DeadlineKeepsTheState) {
   Simulator in_time = test::simulator(sample("stewart"), "groups/eigen", {.seconds = 100});
   EXPECT_TRUE(in_time.step(0.01).ok());
   EXPECT_EQ(in_time.time(), 0.01);
+}
+
+// A clock that ticks whenever it is read, so that a deadline of N s allows N packs to begin.
+std::atomic<std::int64_t> ticks = 0;
+std::chrono::steady_clock::time_point ticking() {
+  return std::chrono::steady_clock::time_point(std::chrono::seconds(++ticks));
+}
+
+// Near a limit a step takes many attempts, chooses other redundant equations, locates the limit, and tries again.
+TEST(Control, AllWorkOfACallSharesItsDeadline) {
+  const test::DeltaRobot robot;
+  const Prepared prepared = prepare(robot.scene(), {.strategy = "irreducible/eigen", .controlled = {"pose"}});
+  const double lowest = robot.lowest(0, 0);
+  int late = 0, ended = 0;
+  for (int limit = 1; limit < 6000; limit += 1 + limit / 6) {
+    SCOPED_TRACE(limit);
+    Simulator s(prepared, {.seconds = static_cast<double>(limit)}), twin(prepared);
+    for (Simulator* of : {&s, &twin}) {
+      for (double z = robot.home; z > lowest + 4e-3; z -= 2e-3) {
+        of->set("pose.z", z, -0.2);
+        ASSERT_TRUE(of->step().arrived());
+      }
+    }
+    use_clock(s, &ticking);
+    ticks = 0;
+    const std::int64_t before = s.report().counters.group_solutions;
+    s.set("pose.z", lowest - 1e-3, -0.2);
+    const Status status = s.step();
+    EXPECT_LE(s.report().counters.group_solutions - before, limit + 1);
+    EXPECT_TRUE(status.code == Code::deadline || status.code == Code::limit_reached) << name(status.code);
+    ++(status.code == Code::deadline ? late : ended);
+    EXPECT_EQ(s.time(), twin.time());
+    EXPECT_TRUE(std::ranges::equal(s.outputs(), twin.outputs()));
+  }
+  EXPECT_GT(late, 5);
+  EXPECT_GT(ended, 1);
+}
+
+// Errors are measured at the first steps. A deadline that leaves no time for it postpones the measurement; if this goes
+// on, the accuracy is unknown.
+TEST(Control, EstimatesOfErrorsShareTheDeadline) {
+  Simulator s = test::simulator(sample("four_bar:loops=8,step=0.001"), "groups/eigen", {.seconds = 12});
+  use_clock(s, &ticking);
+  for (int k = 0; k < 15; ++k) ASSERT_TRUE(s.step().ok()) << k;
+  const Status unknown = s.step();
+  EXPECT_EQ(unknown.code, Code::inaccurate);
+  EXPECT_EQ(unknown.figure, HUGE_VAL);
+  use_clock(s, &std::chrono::steady_clock::now);
+  EXPECT_TRUE(s.step().ok());
+}
+
+// The times of an event belong to one try of a step: here the driver moves at constant speed.
+TEST(Control, TheTimeOfALimitIsThatOfTheFirstTry) {
+  Simulator s = test::simulator(limited(), "groups/eigen", {}, {"motor"});
+  const double limit = std::acos(0.04);
+  double angle = 0.5;
+  Status status;
+  while (status.arrived()) {
+    angle += 0.013;
+    s.set("motor", angle, 1.3);
+    status = s.step();
+  }
+  ASSERT_EQ(status.code, Code::limit_reached);
+  ASSERT_EQ(s.report().events.size(), 1u);
+  for (const double overshoot : {0.0, 0.3}) {  // another command fails at another time
+    if (overshoot > 0) {
+      s.set("motor", s.output("angle") + overshoot, 0);
+      EXPECT_EQ(s.step().code, Code::limit_reached);
+      ASSERT_EQ(s.report().events.size(), 1u);
+    }
+    const Event& e = s.report().events.back();
+    EXPECT_LE(e.until - e.time, 1e-11);
+    EXPECT_GE(e.time, s.time());
+    EXPECT_LE(e.until, s.time() + 0.01);
+    if (overshoot == 0) {
+      EXPECT_NEAR(s.output("angle") + 1.3 * (e.time - s.time()), limit, 1e-9);
+    }
+  }
+}
+
+TEST(Control, StatusesSayWhichDriverOrQuantity) {
+  const Scene stops = test::limited_four_bar(Law::constant(0.5))
+                          .measure("angle", AbsoluteAngle{"A0", "B"})
+                          .measure("reach", MeasuredDistance{"A0", "C"})
+                          .limit("reach", 0.1, 5)
+                          .limit("angle", 0.3, 0.9)
+                          .time(0, 1, 0.01)
+                          .build();
+  Simulator s = test::simulator(stops, "groups/eigen", {}, {"motor"});
+  s.set("motor", 1.1);
+  const Status stopped = s.step();
+  EXPECT_EQ(stopped.code, Code::stop_reached);
+  EXPECT_EQ(stopped.where, Place::limit(1));
+  EXPECT_EQ(stopped.figure, 0.9);
+  EXPECT_EQ(s.name_of(stopped.where), "angle");
+  EXPECT_EQ(s.limits(), (std::vector<std::string>{"reach", "angle"}));
+  s.set("motor", HUGE_VAL);
+  EXPECT_EQ(s.name_of(s.step().where), "motor");
+
+  Simulator platform = test::simulator(sample("stewart"), "groups/eigen", {}, {"pose"});
+  platform.set("pose.theta", kNan);
+  const Status bad = platform.step();
+  EXPECT_EQ(bad.where, Place::target(4));
+  EXPECT_EQ(platform.name_of(bad.where), "pose.theta");
+  EXPECT_EQ(platform.name_of({}), "");
+
+  SceneBuilder b("points", 2);
+  b.point("P", {0, 0}).drive("x", DrivenCoordinate{"P.x", Law::polynomial({0, 1})});
+  b.drive("y", DrivenCoordinate{"P.y", Law::function([](double t) { return Motion{t < 0.05 ? 0 : kNan, 0, 0}; })});
+  Simulator law = test::simulator(b.time(0, 1, 0.01).build());
+  Status status;
+  while (status.ok()) status = law.step();
+  EXPECT_EQ(status.code, Code::not_finite);
+  EXPECT_EQ(status.where, Place::driver(1));
+  EXPECT_EQ(law.name_of(status.where), "y");
 }
 
 TEST(Control, StopsWithinAStepWhenAsked) {
