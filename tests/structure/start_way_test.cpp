@@ -92,7 +92,7 @@ TEST(StartWay, AFoldIsRefusedWithItsPlaceAndAnotherPosture) {
       "drivers": {"m": {"angle": ["A", "B"], "law": {"constant": )" +
                     std::to_string(angle) + "}}}, \"outputs\": [\"C\"]}");
   };
-  EXPECT_EQ(rocker(-1.5).cannot_assemble, "");
+  EXPECT_EQ(rocker(-0.5).cannot_assemble, "");
   const Structure refused = rocker(-2.5);
   const std::string& why = refused.cannot_assemble;
   // The fold is where the coupler and the rocker lie in one line, 2.96 m long.
