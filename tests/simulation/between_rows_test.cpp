@@ -350,7 +350,7 @@ bool is_position(const std::string& column) {
 
 TEST(BetweenRows, RandomScenesDoNotDependOnRowsAndOutputs) {
   const int count = test::random_count(25);
-  int done = 0, stopped = 0;
+  int done = 0, stopped = 0, runs = 0, undecided = 0;
   for (int seed = 0; seed < count; ++seed) {
     Draw draw(static_cast<std::uint64_t>(seed));
     const double time = draw.of(std::vector<double>{1, 1, 2, 0.7});
@@ -380,6 +380,15 @@ TEST(BetweenRows, RandomScenesDoNotDependOnRowsAndOutputs) {
         const End end = run(with(outputs, rows), way);
         const std::string where =
             "seed " + std::to_string(seed) + ", " + std::to_string(rows) + " rows, " + outputs[0] + ", " + way;
+        ++runs;
+        // 10,000 rejected attempts are too few for some steps; turns of angles without direction are guesses.
+        const auto is_open = [](const End& e) {
+          return e.status.code == Code::branch_unknown || e.status.code == Code::inaccurate;
+        };
+        if (is_open(end) || is_open(fine)) {
+          ++undecided;
+          continue;
+        }
         ASSERT_EQ(end.status.code, fine.status.code) << where << ", " << end.reached << " and " << fine.reached;
         if (!fine.status.arrived() && way != "step by step") {
           const Event &one = end.events.back(), &other = fine.events.back();
@@ -404,6 +413,7 @@ TEST(BetweenRows, RandomScenesDoNotDependOnRowsAndOutputs) {
   }
   EXPECT_GE(done, count / 4);
   EXPECT_GE(stopped, count / 10);
+  EXPECT_LE(undecided, runs / 50);
 }
 
 }  // namespace
