@@ -37,6 +37,7 @@ struct Robot {
     options.controlled = kLegs;
     options.controlled_count = 3;
     options.threads = 1;
+    options.strategy = "irreducible/eigen";  // keeps no pivots from one matrix to the next
     EXPECT_EQ(assur_scene_parse(text.data(), text.size(), &scene), ASSUR_OK) << assur_error();
     EXPECT_EQ(assur_prepare(scene, &options, &plan), ASSUR_OK) << assur_error();
     EXPECT_EQ(assur_simulator_new(plan, nullptr, &every), ASSUR_OK);
@@ -66,10 +67,12 @@ TEST(C, ARejectedTargetDoesNotMoveTheRobotLater) {
   assur_status status;
   ASSERT_EQ(assur_simulator_step(r.every, &status), ASSUR_LIMIT_REACHED);
   EXPECT_EQ(r.row(r.every), there);
-  EXPECT_EQ(assur_simulator_step(r.every, nullptr), ASSUR_OK);
-  EXPECT_EQ(r.row(r.every), there);
-  EXPECT_EQ(assur_simulator_step_to(r.every, assur_simulator_time(r.every) + 1e-3, nullptr), ASSUR_OK);
-  EXPECT_EQ(r.row(r.every), there);
+  for (int k = 0; k < 2; ++k) {
+    const double next = assur_simulator_time(r.every) + 1e-3;
+    ASSERT_EQ(k == 0 ? assur_simulator_step(r.every, nullptr) : assur_simulator_step_to(r.every, next, nullptr),
+              ASSUR_OK);
+    for (std::size_t i = 0; i < there.size(); ++i) EXPECT_NEAR(r.row(r.every)[i], there[i], 1e-14);
+  }
 }
 
 TEST(C, StepsWithoutATimeGridReachTheirTargets) {
@@ -121,7 +124,8 @@ TEST(C, RandomCommandsLeaveTheBitsOfATwin) {
     const double until = assur_simulator_time(r.every) + draw.real(-0.01, 0.03);
     const auto give = [&](assur_simulator* s) {
       for (std::size_t i = 0; i < 3; ++i) {
-        if (set[i]) EXPECT_EQ(assur_simulator_set(s, i, target[i], rate, 0), ASSUR_OK);
+        if (!set[i]) continue;
+        EXPECT_EQ(assur_simulator_set(s, i, target[i], rate, 0), ASSUR_OK);
       }
       return to_time ? assur_simulator_step_to(s, until, nullptr) : assur_simulator_step(s, nullptr);
     };
