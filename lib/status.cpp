@@ -55,6 +55,8 @@ std::string_view name(Code code) noexcept {
       return "within_limits";
     case Code::wrong_function:
       return "wrong_function";
+    case Code::not_assembled:
+      return "not_assembled";
   }
   return "unknown";
 }
@@ -96,6 +98,8 @@ std::string_view explanation(Code code) noexcept {
       return "the quantity returns into its limit";
     case Code::wrong_function:
       return "the derivatives of a law or callback of the program do not match its values";
+    case Code::not_assembled:
+      return "the start posture cannot be assembled";
   }
   return "unknown";
 }

@@ -103,7 +103,7 @@ class Ensemble {
   // The end of one member.
   struct Outcome {
     // ok, `inaccurate` (the member arrived nevertheless), or the reason why it stopped. Of a member that could not
-    // start it is not_converged or singular, whatever the reason is: `cannot` gives the reason.
+    // start it is not_assembled, or singular if its posture has no velocities: `cannot` gives the reason.
     Status status;
     double reached = 0;         // last time with a valid posture, s
     std::string cannot;         // reason why the member could not start; "": it started
@@ -126,13 +126,15 @@ class Ensemble {
   // The members are rows of a table: `scene` with other values of its parameters and numbers, as by
   // Scene::with_values(). values[i * names.size() + k] is the value of names[k] in the i-th member. No scene is made
   // for a member: how its numbers follow from the values is recorded once and repeated in the lanes in which members
-  // run. Start postures are assembled there, too, from the guesses that the values give; parts of the mechanism that no
-  // output depends on may be left out of this. Members whose start posture does not follow from the guess group by
-  // group, or whose equations differ from those of the first member, are prepared one by one when they run, and so are
-  // all members of a scene with redundant equations, gears, or functions of the program; report().fallbacks then gives
-  // their number and the reason. All members use the time grid of prepared(). `options` as in prepare(); otherwise as
-  // above. Throws Error (input) also for an unknown or repeated name, and for values that do not make whole rows. Needs
-  // the library assur::assur.
+  // run. Groups that no driver moves are solved there, too, once for each member and run. Start postures are assembled
+  // there, too, from the guesses that the values give; parts of the mechanism that no output depends on may be left out
+  // of this. Members whose start posture does not follow from the guess group by group, or whose equations differ from
+  // those of the first member, are prepared one by one when they run, and so are all members of a scene with redundant
+  // equations, gears, or functions of the program; report().fallbacks then gives their number and the reason. All
+  // members use the time grid of prepared(). `options` as in prepare(); otherwise as above, but if no member can be
+  // prepared, the outcomes tell why: the constructor then throws only if the scene as written is refused, too, for
+  // another reason than its posture. Throws Error (input) also for an unknown or repeated name, and for values that do
+  // not make whole rows. Needs the library assur::assur.
   Ensemble(const Scene& scene, std::vector<std::string> names, std::vector<double> values,
            const PrepareOptions& options = {}, StepLimits limits = {});
   Ensemble(Ensemble&&) noexcept;             // the other ensemble may then only be destroyed or assigned to
@@ -182,7 +184,10 @@ class Ensemble {
   [[nodiscard]] std::size_t members() const;
   // Names of the outputs, as in EnsembleTrajectory::columns().
   [[nodiscard]] const std::vector<std::string>& columns() const;
-  [[nodiscard]] const Prepared& prepared() const;  // the first member that could be prepared; with one chunk
+  // The first member that could be prepared, with one chunk; of a table perhaps the scene as written. Throws Error
+  // (numerical) if neither can be assembled.
+  [[nodiscard]] const Prepared& prepared() const;
+  [[nodiscard]] const TimeGrid& time() const;  // the time grid of prepared()
   // The last run: sums and largest errors of all members; before the first run it is empty. The status is that of the
   // first member that failed, else of the first inaccurate one; its place is that member. `reached` is the smallest of
   // all members.

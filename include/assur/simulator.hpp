@@ -255,7 +255,8 @@ class Simulator {
 
   // Names of the outputs, as in Trajectory::columns().
   [[nodiscard]] const std::vector<std::string>& columns() const;
-  // All outputs at time() in SI units, in the order of columns().
+  // All outputs at time() in SI units, in the order of columns(). The span is valid as long as the simulator, and shows
+  // each new posture.
   [[nodiscard]] std::span<const double> outputs() const;
   // One output at time() by its name. Throws Error (input), with a list of the columns, if there is no such name.
   [[nodiscard]] double output(std::string_view column) const;

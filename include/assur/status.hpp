@@ -61,6 +61,7 @@ enum class Code : std::uint8_t {
   limit_exceeded,       // a quantity has left its limit, and the motion goes on. An Event::kind, never a status
   within_limits,        // the quantity has returned into its limit. An Event::kind, never a status
   wrong_function,       // a law or callback of the program returns derivatives that do not belong to its values
+  not_assembled,        // the start posture cannot be assembled: of a member of an ensemble, or of a linkage
 };
 
 // Name of a code as in the command's JSON, e.g. "limit_reached".

@@ -83,7 +83,7 @@ std::int32_t assur_ensemble_run(assur_ensemble* ensemble, const double* times, s
   return call([&] {
     Ensemble& of = checked(ensemble, "ensemble").ensemble;
     const std::vector<std::string> names = names_of(of.columns(), columns, column_count);
-    const std::vector<double> at = c::times_of(times, count, of.prepared().time);
+    const std::vector<double> at = c::times_of(times, count, of.time());
     const std::size_t width = names.size(), members = of.members();
     check_strides(members, at.size(), width, member_stride, row_stride);
     (void)checked(values, "values");
@@ -109,7 +109,7 @@ std::int32_t assur_ensemble_summarize(assur_ensemble* ensemble, const double* ti
   return call([&] {
     Ensemble& of = checked(ensemble, "ensemble").ensemble;
     const std::vector<std::string> names = names_of(of.columns(), columns, column_count);
-    const std::vector<double> at = c::times_of(times, count, of.prepared().time);
+    const std::vector<double> at = c::times_of(times, count, of.time());
     const std::size_t width = names.size();
     c::check_stride("member_stride", member_stride, of.members(), width);
     (void)checked(out, "out");

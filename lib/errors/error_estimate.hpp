@@ -96,9 +96,9 @@ class ErrorEstimate {
   // Tells the estimate that equations are solved to a larger residual until the next measurement.
   void loosen(bool loose) { loose_ = loose; }
 
-  // True if errors were measured since restart(), and if there are driven or static coordinates.
+  // True if errors were measured since restart(), and if anything is driven or solved.
   [[nodiscard]] bool measured() const {
-    return measurements_ > 0 && !(driven_.empty() && static_.coordinates().empty());
+    return measurements_ > 0 && !(driven_.empty() && static_.coordinates().empty() && layout_.packs.empty());
   }
   // The residual to which equations are solved while errors are in doubt; 0: as exactly as doubles allow. A run with an
   // accuracy never takes more work than a run without.

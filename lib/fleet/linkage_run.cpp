@@ -205,13 +205,13 @@ void LinkageRun::begin_triads(Block& block) {
 void LinkageRun::cannot_begin(const Block& block) {
   const auto joint = static_cast<std::size_t>(block.figures.joint);
   if (linkage_->joints()[joint].kind == LinkageJoint::Kind::triad) {
-    end(Code::not_converged, kNan, block.times[0], block.figures.joint);
+    end(Code::not_assembled, kNan, block.times[0], block.figures.joint);
     return;
   }
   const PreparedJoint& dyad = linkage_->joints()[joint];
   const double square = block.joints[joint].square[kTimes];
   const double beyond = std::max(dyad.least - square, square - dyad.most);
-  end(beyond <= kTouches * dyad.most ? Code::singular : Code::not_converged, kNan, block.times[0], block.figures.joint);
+  end(beyond <= kTouches * dyad.most ? Code::singular : Code::not_assembled, kNan, block.times[0], block.figures.joint);
 }
 
 // Takes a row, unless all are taken.

@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "index.hpp"
+#include "structure/at_rest.hpp"
 
 namespace assur {
 namespace {
@@ -155,6 +156,7 @@ Layout lay_out_side_by_side(const Prepared& prepared, int lanes) {
   std::vector<std::int32_t> each(w);
   std::iota(each.begin(), each.end(), 0);
   for (const Group& group : structure.groups) {
+    const bool at_rest = out.first_unknown == out.size && rests(structure.classes[idx(group.group_class)]);
     Pack& pack = out.packs.emplace_back();
     pack.group_class = group.group_class;
     pack.level = group.level;
@@ -164,6 +166,7 @@ Layout lay_out_side_by_side(const Prepared& prepared, int lanes) {
       out.address[idx(group.unknowns[i])] = static_cast<std::int32_t>(out.size + i * w);
     }
     out.size += idx(out.solvers[idx(group.group_class)]->program().n) * w;
+    if (at_rest) out.first_unknown = out.size;  // solved at the start, and known from then on
   }
   for (std::size_t g = 0; g < out.packs.size(); ++g) {
     Pack& pack = out.packs[g];

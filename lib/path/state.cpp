@@ -135,13 +135,17 @@ double State::time_of_rounding() const {
 }
 
 void State::accept(double t) {
-  if (times_.empty()) {  // known coordinates that never move are equal in all postures
-    Ring& r = ring(0);
-    for (std::size_t age = 0; age < r.count; ++age) std::copy_n(at(0), first_unknown_, r.at(age));
-  }
+  if (times_.empty()) spread_known();  // those that never move are equal in all postures
   begun_ = false;
   if (times_.size() == depth_) times_.pop_back();
   times_.insert(times_.begin(), t);
+}
+
+void State::spread_known() {
+  Ring& r = ring(0);
+  for (std::size_t age = 0; age < r.count; ++age) {
+    if (r.at(age) != at(0)) std::copy_n(at(0), first_unknown_, r.at(age));
+  }
 }
 
 void State::forget() {

@@ -69,6 +69,8 @@ class State {
   void restore();
   // Replaces the last accepted posture by the current one.
   void replace();
+  // Makes the known coordinates of all postures equal to those of the current one.
+  void spread_known();
 
  private:
   // One derivative of the postures by age; 0: the newest. A posture stays in its place when it becomes older.

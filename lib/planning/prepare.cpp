@@ -134,7 +134,7 @@ std::shared_ptr<const Structure> structure_for(const Scene& scene, const Prepare
   wanted.time = start.time;
   if (predictor.kind == Predictor::Kind::taylor) wanted.predictor_derivatives = predictor.order;
   if (predictor.kind == Predictor::Kind::hermite) wanted.predictor_derivatives = 2;
-  auto structure = std::make_shared<const Structure>(analyze(scene, wanted));
+  auto structure = std::make_shared<const Structure>(analyze(scene, wanted, start.at_rest));
   refuse_undetermined(*structure);
   if (!structure->cannot_assemble.empty()) {
     // A wrong Jacobian may be the reason, and a check at the guess finds it.
@@ -226,10 +226,11 @@ Choice automatic_choice(const Scene& scene, const PrepareOptions& options, const
 }
 
 // The plan of `like`, if the scene has the same structure.
-std::optional<Choice> choice_like(const Prepared& like, const Scene& scene, const PrepareOptions& options) {
+std::optional<Choice> choice_like(const Prepared& like, const Scene& scene, const PrepareOptions& options,
+                                  const KnownStart& start) {
   Choice choice;
   const RunSettings& run = like.plan.run;
-  choice.structure = structure_for(scene, options, run.formulation, run.predictor, {});
+  choice.structure = structure_for(scene, options, run.formulation, run.predictor, start);
   if (!same_structure(*like.structure, *choice.structure)) return std::nullopt;
   choice.plan = like.plan;
   return choice;
@@ -257,9 +258,9 @@ Prepared finished(const Scene& scene, const PrepareOptions& options, Choice& cho
   return out;
 }
 
-// like: null, or its plan is taken if the structures are the same.
-Prepared prepare_checked(const Scene& scene, const PrepareOptions& options, const KnownStart& start,
-                         const Prepared* like) {
+}  // namespace
+
+Prepared prepare_at(const Scene& scene, const PrepareOptions& options, const KnownStart& start, const Prepared* like) {
   if (options.budget && options.budget->threads < 1) {
     throw Error(Error::Kind::input,
                 "a budget needs at least one thread, not " + std::to_string(options.budget->threads));
@@ -270,7 +271,8 @@ Prepared prepare_checked(const Scene& scene, const PrepareOptions& options, cons
   }
   check_controlled(scene, options.controlled);
   if (like != nullptr) {
-    if (std::optional<Choice> alike = choice_like(*like, scene, options)) return finished(scene, options, *alike, true);
+    if (std::optional<Choice> alike = choice_like(*like, scene, options, start))
+      return finished(scene, options, *alike, true);
   }
   Choice choice;
   if (options.strategy == "auto") {
@@ -290,16 +292,10 @@ Prepared prepare_checked(const Scene& scene, const PrepareOptions& options, cons
   return finished(scene, options, choice, start.is_first);
 }
 
-}  // namespace
-
-Prepared prepare_at(const Scene& scene, const PrepareOptions& options, const KnownStart& start) {
-  return prepare_checked(scene, options, start, nullptr);
-}
-
 Prepared prepare(const Scene& scene, const PrepareOptions& options) { return prepare_at(scene, options, {}); }
 
 Prepared prepare_like(const Prepared& like, const Scene& scene, const PrepareOptions& options) {
-  return prepare_checked(scene, options, {}, &like);
+  return prepare_at(scene, options, {}, &like);
 }
 
 }  // namespace assur

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "assur/plan.hpp"
+#include "structure/at_rest.hpp"
 
 namespace assur {
 
@@ -12,8 +13,11 @@ struct KnownStart {
   std::vector<double> posture;  // all coordinates, internal units; empty: the posture is assembled from the guess
   double time = 0;              // s
   bool is_first = true;         // false: the functions of the scene have been checked at another posture
+  AtRest at_rest = AtRest::left_out;
 };
 
-[[nodiscard]] Prepared prepare_at(const Scene& scene, const PrepareOptions& options, const KnownStart& start);
+// like: null, or its plan is taken if the structures are the same.
+[[nodiscard]] Prepared prepare_at(const Scene& scene, const PrepareOptions& options, const KnownStart& start,
+                                  const Prepared* like = nullptr);
 
 }  // namespace assur

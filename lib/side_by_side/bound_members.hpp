@@ -37,8 +37,12 @@ class BoundMembers {
   virtual ~BoundMembers() = default;
 
   [[nodiscard]] virtual std::size_t count() const = 0;
-  // The first member that can be prepared: all others are bound to its structure and plan.
-  [[nodiscard]] virtual const Prepared& first() const = 0;
+  // A member that can be prepared, or the scene as written: all members are bound to its structure and plan. Null if
+  // nothing can be assembled.
+  [[nodiscard]] virtual const Prepared* first() const = 0;
+  // Names of the outputs, and the time grid, of all members.
+  [[nodiscard]] virtual std::vector<std::string> columns() const = 0;
+  [[nodiscard]] virtual const TimeGrid& time() const = 0;
   // The reason why all members must be prepared one by one; "": members can be bound.
   [[nodiscard]] virtual const std::string& why_not() const = 0;
   // lanes: largest number of members at once.

@@ -58,9 +58,8 @@ struct Ensemble::Impl {
   Impl(std::unique_ptr<BoundMembers> of_table, StepLimits step_limits)
       : limits(step_limits), bound(std::move(of_table)) {
     refuse_wrong_limits();
-    prepared = bound->first();
-    prepared->plan.run.chunks = 1;
-    columns = column_names(*prepared->structure->system);
+    columns = bound->columns();
+    time = bound->time();
     meet_bound(true);
   }
 
@@ -74,6 +73,10 @@ struct Ensemble::Impl {
 
   // Gets ready for the members of the table. anew: the tiles cannot serve them.
   void meet_bound(bool anew) {
+    if (!prepared && bound->first() != nullptr) {
+      prepared = *bound->first();
+      prepared->plan.run.chunks = 1;
+    }
     const std::size_t most = std::min(bound->count(), kMostLaneRuns);
     if (anew || most > std::min(cannot.size(), kMostLaneRuns)) {
       bound_tiles.reset();
@@ -86,7 +89,8 @@ struct Ensemble::Impl {
 
   // The team, with as many threads of the plan as `pieces` of work keep busy.
   Team& team_for(std::size_t pieces) {
-    const auto size = static_cast<int>(std::clamp<std::size_t>(pieces, 1, idx(prepared->plan.run.threads)));
+    const std::size_t most = prepared ? idx(prepared->plan.run.threads) : 1;
+    const auto size = static_cast<int>(std::clamp<std::size_t>(pieces, 1, most));
     if (!team || team->size() < size) team = std::make_unique<Team>(size, limits.pin_to);
     return *team;
   }
@@ -115,11 +119,12 @@ struct Ensemble::Impl {
     if (!prepared) {
       prepared = p;
       columns = column_names(*p.structure->system);
+      time = p.time;
     } else if (column_names(*p.structure->system) != columns) {
       cannot[i] = "its outputs differ from those of the first member";
       return;
     }
-    if (p.time.start != prepared->time.start) {
+    if (p.time.start != time.start) {
       others.emplace(i, std::move(p));
       return;
     }
@@ -150,7 +155,7 @@ struct Ensemble::Impl {
     for (std::size_t i = 0; i < cannot.size(); ++i) {
       outcomes[i].cannot = cannot[i];
       outcomes[i].reached = results.times[0];
-      if (!cannot[i].empty()) outcomes[i].status.code = Code::not_converged;
+      if (!cannot[i].empty()) outcomes[i].status.code = Code::not_assembled;
     }
   }
 
@@ -278,7 +283,7 @@ struct Ensemble::Impl {
       if (made[k]) take(i, std::move(*made[k]));
       made[k].reset();
       if (outcomes[i].cannot.empty()) outcomes[i].cannot = std::exchange(cannot[i], {});
-      if (!outcomes[i].cannot.empty()) outcomes[i].status.code = Code::not_converged;
+      if (!outcomes[i].cannot.empty()) outcomes[i].status.code = Code::not_assembled;
     }
     make_tiles(classes.begin());
     run_prepared(results, progress);
@@ -400,8 +405,9 @@ struct Ensemble::Impl {
   std::unique_ptr<Tiles> bound_tiles;      // null: no member is bound
   std::unique_ptr<Team> team;              // threads of the plan, as many as were needed so far
   std::vector<std::string> cannot;         // reason why the member cannot be started; empty: it can
-  std::optional<Prepared> prepared;        // that of the first member that can be started
+  std::optional<Prepared> prepared;        // as Ensemble::prepared()
   std::vector<std::string> columns;        // of all members
+  TimeGrid time;                           // of all members
   std::vector<Class> classes;              // the first one is that of `prepared`
   std::map<std::size_t, Prepared> others;  // members that run alone
   Totals totals;
@@ -426,8 +432,8 @@ std::vector<double> times_of(const TimeGrid& grid) {
   return times;
 }
 
-void check_begin(std::span<const double> times, const Prepared& prepared) {
-  if (times.empty() || times[0] != prepared.time.start) {
+void check_begin(std::span<const double> times, const TimeGrid& grid) {
+  if (times.empty() || times[0] != grid.start) {
     throw Error(Error::Kind::input, "the times of an ensemble must begin with time.start of its scene");
   }
   check_times(times);
@@ -435,12 +441,10 @@ void check_begin(std::span<const double> times, const Prepared& prepared) {
 
 }  // namespace
 
-EnsembleTrajectory Ensemble::run(const Simulator::Observer& observer) {
-  return run(times_of(impl_->prepared->time), observer);
-}
+EnsembleTrajectory Ensemble::run(const Simulator::Observer& observer) { return run(times_of(impl_->time), observer); }
 
 EnsembleTrajectory Ensemble::run(std::span<const double> times, const Simulator::Observer& observer) {
-  check_begin(times, *impl_->prepared);
+  check_begin(times, impl_->time);
   EnsembleTrajectory out;
   out.columns_ = impl_->columns;
   out.times_.assign(times.begin(), times.end());
@@ -452,12 +456,12 @@ EnsembleTrajectory Ensemble::run(std::span<const double> times, const Simulator:
 }
 
 EnsembleTrajectory Ensemble::run(const std::vector<std::string>& columns, const Simulator::Observer& observer) {
-  return run(columns, times_of(impl_->prepared->time), observer);
+  return run(columns, times_of(impl_->time), observer);
 }
 
 EnsembleTrajectory Ensemble::run(const std::vector<std::string>& columns, std::span<const double> times,
                                  const Simulator::Observer& observer) {
-  check_begin(times, *impl_->prepared);
+  check_begin(times, impl_->time);
   const std::vector<std::size_t> indices = indices_of(columns, impl_->columns);
   EnsembleTrajectory out;
   out.columns_ = columns;
@@ -476,12 +480,12 @@ EnsembleTrajectory Ensemble::run(const std::vector<std::string>& columns, std::s
 }
 
 EnsembleSummary Ensemble::summarize(const std::vector<std::string>& columns, const Simulator::Observer& observer) {
-  return summarize(columns, times_of(impl_->prepared->time), observer);
+  return summarize(columns, times_of(impl_->time), observer);
 }
 
 EnsembleSummary Ensemble::summarize(const std::vector<std::string>& columns, std::span<const double> times,
                                     const Simulator::Observer& observer) {
-  check_begin(times, *impl_->prepared);
+  check_begin(times, impl_->time);
   const std::vector<std::size_t> indices = indices_of(columns, impl_->columns);
   EnsembleSummary out;
   out.columns_ = columns;
@@ -496,12 +500,12 @@ EnsembleSummary Ensemble::summarize(const std::vector<std::string>& columns, std
 }
 
 void Ensemble::stream(const RowSelection& selection, const RowSink& sink, const Simulator::Observer& observer) {
-  stream(selection, sink, times_of(impl_->prepared->time), observer);
+  stream(selection, sink, times_of(impl_->time), observer);
 }
 
 void Ensemble::stream(const RowSelection& selection, const RowSink& sink, std::span<const double> times,
                       const Simulator::Observer& observer) {
-  check_begin(times, *impl_->prepared);
+  check_begin(times, impl_->time);
   const std::vector<std::size_t> indices = selected(selection, sink, impl_->columns);
   std::vector<RowStream> streams;
   for (std::size_t i = 0; i < members(); ++i) streams.emplace_back(i, indices, selection, sink);
@@ -526,7 +530,13 @@ void Ensemble::bind(std::vector<double> values) {
 
 const std::vector<std::string>& Ensemble::columns() const { return impl_->columns; }
 std::size_t Ensemble::members() const { return impl_->cannot.size(); }
-const Prepared& Ensemble::prepared() const { return *impl_->prepared; }
+const Prepared& Ensemble::prepared() const {
+  if (impl_->prepared) return *impl_->prepared;
+  throw Error(Error::Kind::numerical,
+              "no member of the ensemble can be assembled, nor can the scene as written; the "
+              "outcomes of a run have the reasons");
+}
+const TimeGrid& Ensemble::time() const { return impl_->time; }
 const Report& Ensemble::report() const { return impl_->report; }
 const std::vector<Ensemble::Outcome>& Ensemble::outcomes() const { return impl_->outcomes; }
 

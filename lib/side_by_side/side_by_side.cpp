@@ -128,25 +128,36 @@ void SideBySide::check_accuracy(std::span<LaneRun* const> lanes, std::size_t row
   }
 }
 
-bool SideBySide::start(const Lanes& lanes, std::span<const Variant* const> variants) {
+Status SideBySide::start(const Lanes& lanes, std::span<const Variant* const> variants) {
   std::vector<const Variant*> these;
   for (const std::size_t i : lanes) these.push_back(variants[i]);
-  return tile_.start(these).ok();
+  return tile_.start(these);
 }
 
-// Those of the lanes that start near their guess; none if they cannot start together.
-SideBySide::Lanes SideBySide::started_near(const Lanes& lanes, std::span<const Variant* const> variants) {
+// Those of the lanes, which are in the tile, whose posture is near its guess.
+SideBySide::Lanes SideBySide::near_guess(const Lanes& lanes, std::span<const Variant* const> variants) const {
   Lanes able;
-  if (lanes.empty() || !start(lanes, variants)) return able;
   for (std::size_t i = 0; i < lanes.size(); ++i) {
     if (binder_->is_start(*variants[lanes[i]], tile_.posture(static_cast<int>(i)))) able.push_back(lanes[i]);
   }
   return able;
 }
 
+// Those of the lanes that start near their guess. A lane at fault is left out, and the others are tried again: this
+// takes less time than to assemble all of them one by one.
+SideBySide::Lanes SideBySide::started_near(Lanes lanes, std::span<const Variant* const> variants) {
+  while (!lanes.empty()) {
+    const Status s = start(lanes, variants);
+    if (s.ok()) return near_guess(lanes, variants);
+    if (!s.where.is(Place::Kind::lane)) break;
+    lanes.erase(lanes.begin() + s.where.index);
+  }
+  return {};
+}
+
 // Those of the lanes that can start. in_tile: receives the lanes that are in the tile, if they started.
 SideBySide::Lanes SideBySide::startable(const Lanes& lanes, std::span<const Variant* const> variants, Lanes& in_tile) {
-  Lanes able = started_near(lanes, variants);
+  Lanes able = !lanes.empty() && start(lanes, variants).ok() ? near_guess(lanes, variants) : Lanes();
   in_tile = able.empty() ? Lanes() : lanes;
   if (!able.empty() || lanes.size() <= 1) return able;
   const auto middle = lanes.begin() + static_cast<std::ptrdiff_t>(lanes.size() / 2);
@@ -173,7 +184,7 @@ void SideBySide::assemble(std::vector<LaneRun*>& together, std::vector<Variant>&
       return std::find(able.begin(), able.end(), i) == able.end() && !binder_->assemble(i);
     });
     able = startable(bound, variants, in_tile);
-    if (!able.empty() && able != in_tile && !(able.size() < bound.size() && start(able, variants))) able.clear();
+    if (!able.empty() && able != in_tile && !(able.size() < bound.size() && start(able, variants).ok())) able.clear();
   }
   std::vector<LaneRun*> started;
   for (LaneRun* lane : together) lane->unbound = true;

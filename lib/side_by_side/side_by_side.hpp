@@ -82,8 +82,9 @@ class SideBySide {
  private:
   // Lanes, by their index.
   using Lanes = std::vector<std::size_t>;
-  [[nodiscard]] bool start(const Lanes& lanes, std::span<const Variant* const> variants);
-  [[nodiscard]] Lanes started_near(const Lanes& lanes, std::span<const Variant* const> variants);
+  [[nodiscard]] Status start(const Lanes& lanes, std::span<const Variant* const> variants);
+  [[nodiscard]] Lanes near_guess(const Lanes& lanes, std::span<const Variant* const> variants) const;
+  [[nodiscard]] Lanes started_near(Lanes lanes, std::span<const Variant* const> variants);
   [[nodiscard]] Lanes startable(const Lanes& lanes, std::span<const Variant* const> variants, Lanes& in_tile);
   void assemble(std::vector<LaneRun*>& together, std::vector<Variant>& at);
   [[nodiscard]] std::pair<std::size_t, Status> follow(std::span<LaneRun* const> lanes, std::size_t from,

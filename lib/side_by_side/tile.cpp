@@ -64,9 +64,12 @@ Tile::Tile(const Prepared& prepared, const StepLimits& limits)
     if (in.must_not_vanish) levers_.push_back({in.first * lanes_, in.driver});
   }
   known_levers_ = levers_.size();
+  while (at_rest_ < layout_.packs.size() && layout_.packs[at_rest_].unknowns < layout_.first_unknown) ++at_rest_;
   for (const Positive& p : system.positive) {
     const std::int32_t address = layout_.address[idx(p.coordinate)];
-    if (address >= 0 && idx(address) >= layout_.first_unknown) levers_.push_back({address, p.driver});
+    if (address >= 0 && system.coordinates[idx(p.coordinate)].role == Role::unknown) {
+      levers_.push_back({address, p.driver});
+    }
   }
   for (const Index i : driven_.assignments) driven_coordinates_.push_back(system.assignments[idx(i)].coordinate);
 }
@@ -358,6 +361,7 @@ bool Tile::polish() {
     return false;
   }
   state_.replace();
+  if (at_rest_ > 0) state_.spread_known();
   for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
     turns_[lane].accept(0);
     if (limit_watch_[lane]) limit_watch_[lane]->turns().accept(0);
@@ -367,7 +371,8 @@ bool Tile::polish() {
 
 Status Tile::solve_packs(std::span<const double> times, Attempt::Branch branch, double converged, StepErrors& errors) {
   double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
-  for (Pack& pack : layout_.packs) {
+  const bool moves = times[0] != now_[0];
+  for (Pack& pack : std::span(layout_.packs).subspan(moves ? at_rest_ : 0)) {
     Attempt attempt;
     attempt.branch = branch;
     attempt.converged = converged;

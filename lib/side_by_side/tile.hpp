@@ -141,6 +141,7 @@ class Tile {
   StepLimits limits_;
   int lanes_;
   Layout layout_;
+  std::size_t at_rest_ = 0;  // the first packs: they are solved again only if no time passes
   Driven driven_;
   std::vector<Index> driven_coordinates_;
   std::vector<Lever> levers_;  // known ones first, then those that are unknowns

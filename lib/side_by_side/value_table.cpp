@@ -9,8 +9,10 @@
 
 #include "assur/ensemble.hpp"
 #include "index.hpp"
+#include "planning/prepare_at.hpp"
 #include "scene/lowering.hpp"
 #include "scene/names.hpp"
+#include "scene/outputs.hpp"
 #include "scene/own_values.hpp"
 #include "scene/residual_scale.hpp"
 #include "scene/scene_source.hpp"
@@ -23,6 +25,7 @@
 namespace assur {
 namespace {
 
+constexpr std::size_t kMostTried = 16;     // members that are prepared before the scene as written is
 constexpr std::size_t kMostRecorded = 8;   // members at which the computation may be recorded
 constexpr std::size_t kMostVerified = 16;  // members at which a recorded computation may be checked
 constexpr std::size_t kEnoughVerified = 3;
@@ -247,8 +250,8 @@ class ValueTable::Binder : public MemberBinder {
 };
 
 ValueTable::ValueTable(const Scene& scene, std::vector<std::string> names, std::vector<double> values,
-                       const PrepareOptions& options)
-    : scene_(scene), names_(std::move(names)), values_(std::move(values)), options_(options) {
+                       const PrepareOptions& options, AtRest at_rest)
+    : scene_(scene), names_(std::move(names)), values_(std::move(values)), options_(options), at_rest_(at_rest) {
   if (names_.empty()) throw Error(Error::Kind::input, "a table of values needs at least one name");
   std::unordered_set<std::string_view> seen;
   for (const std::string& name : names_) {
@@ -274,20 +277,43 @@ Scene ValueTable::scene_at(std::span<const double> row) const {
 }
 
 Prepared ValueTable::prepare(const Scene& scene) const {
-  return first_ ? prepare_like(*first_, scene, options_) : assur::prepare(scene, options_);
+  KnownStart start;
+  start.at_rest = at_rest_;
+  return prepare_at(scene, options_, start, first_ ? &*first_ : nullptr);
 }
 
+// Tries members, then the scene as written, then the other members.
 void ValueTable::prepare_first() {
   std::optional<Error> first_error;
-  for (std::size_t i = 0; i < count() && !first_; ++i) {
+  bool is_refused = false;
+  const auto attempt = [&](const auto& make) {
     try {
-      first_ = prepare(i);
+      first_ = make();
     } catch (const Error& e) {
       if (e.kind() == Error::Kind::environment) throw;
       if (!first_error) first_error = e;
+      is_refused = e.kind() == Error::Kind::input;
     }
+    return first_.has_value();
+  };
+  const std::size_t some = std::min(count(), kMostTried);
+  for (first_member_ = 0; first_member_ < some; ++first_member_) {
+    if (attempt([&] { return prepare(first_member_); })) return;
   }
-  if (!first_) throw Error(*first_error);
+  if (attempt([&] { return prepare(scene_); })) {
+    first_member_ = 0;
+    return;
+  }
+  const bool is_wrong = is_refused;
+  for (; first_member_ < count(); ++first_member_) {
+    if (attempt([&] { return prepare(first_member_); })) return;
+  }
+  first_member_ = 0;
+  if (is_wrong) throw Error(*first_error);
+}
+
+std::vector<std::string> ValueTable::columns() const {
+  return column_names(first_ ? *first_->structure->system : *analyze(scene_).system);
 }
 
 // True if the columns that the computation does not vary have their recorded values.
@@ -318,7 +344,8 @@ std::vector<double> ValueTable::between(std::size_t member, double from, double 
 }
 
 void ValueTable::record() {
-  why_not_ = why_prepared_alone(*first_);
+  depends_on_values_ = false;
+  why_not_ = first_ ? why_prepared_alone(*first_) : "";
   if (!why_not_.empty()) return;
   recorded_.assign(row(0).begin(), row(0).end());
   means_.assign(names_.size(), 0);
@@ -337,10 +364,17 @@ void ValueTable::record() {
     if (varies) varying_.push_back(k);
   }
   const std::size_t stride = std::max<std::size_t>(count() / kMostRecorded, 1);
+  std::vector<std::size_t> members = {first_member_ < count() ? first_member_ : 0};
   for (std::size_t i = 0; i < count(); i += stride) {
+    if (i != members[0]) members.push_back(i);
+  }
+  for (const std::size_t i : members) {
+    if (!first_) break;
     if (record_at(i)) return;
     if (!why_not_.empty()) return;
   }
+  recipe_.reset();
+  depends_on_values_ = true;
   why_not_ = "no member was found from whose equations those of the others follow";
 }
 
@@ -448,13 +482,17 @@ std::unique_ptr<MemberBinder> ValueTable::binder(std::size_t lanes) const {
 bool ValueTable::take(std::vector<double> values) {
   check_size(values.size());
   values_ = std::move(values);
-  if (!recipe_ || has_constants(0)) return false;
+  if (recipe_ ? has_constants(0) : !depends_on_values_) return false;
+  if (!first_) prepare_first();
   record();
   return true;
 }
 
 Ensemble::Ensemble(const Scene& scene, std::vector<std::string> names, std::vector<double> values,
                    const PrepareOptions& options, StepLimits limits)
-    : Ensemble(std::make_unique<ValueTable>(scene, std::move(names), std::move(values), options), limits) {}
+    : Ensemble(std::make_unique<ValueTable>(
+                   scene, std::move(names), std::move(values), options,
+                   limits.iterations > 0 ? AtRest::left_out : AtRest::in_front),  // levels decide who takes them
+               limits) {}
 
 }  // namespace assur

@@ -12,6 +12,7 @@
 #include "scene/replay.hpp"
 #include "side_by_side/bound_members.hpp"
 #include "side_by_side/recipe.hpp"
+#include "structure/at_rest.hpp"
 #include "structure/walk.hpp"
 
 namespace assur {
@@ -20,10 +21,12 @@ class ValueTable final : public BoundMembers {
  public:
   // As the constructor of Ensemble.
   ValueTable(const Scene& scene, std::vector<std::string> names, std::vector<double> values,
-             const PrepareOptions& options);
+             const PrepareOptions& options, AtRest at_rest);
 
   [[nodiscard]] std::size_t count() const override { return values_.size() / names_.size(); }
-  [[nodiscard]] const Prepared& first() const override { return *first_; }
+  [[nodiscard]] const Prepared* first() const override { return first_ ? &*first_ : nullptr; }
+  [[nodiscard]] std::vector<std::string> columns() const override;
+  [[nodiscard]] const TimeGrid& time() const override { return first_ ? first_->time : scene_.time(); }
   [[nodiscard]] const std::string& why_not() const override { return why_not_; }
   [[nodiscard]] std::unique_ptr<MemberBinder> binder(std::size_t lanes) const override;
   [[nodiscard]] Prepared prepare(std::size_t member) const override { return prepare(scene_at(row(member))); }
@@ -51,8 +54,11 @@ class ValueTable final : public BoundMembers {
   std::vector<std::string> names_;
   std::vector<double> values_;  // members x names
   PrepareOptions options_;
+  AtRest at_rest_;
   std::optional<Prepared> first_;
+  std::size_t first_member_ = 0;  // that of first_; 0 if it is the scene as written
   std::string why_not_;
+  bool depends_on_values_ = false;  // why_not_ does: other members may be bound
   // The recorded computation.
   std::vector<std::size_t> varying_;  // columns that are its parameters
   std::vector<double> recorded_;      // a row: the other columns must have these values

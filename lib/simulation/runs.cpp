@@ -138,7 +138,7 @@ bool Simulator::run_in_chunks(std::span<const double> times, const Observer& obs
   // with these equations replaces this one, because reset() needs it.
   const auto begins_anew = [&](std::unique_ptr<Impl> with_others) {
     if (!with_others) return false;
-    impl_ = std::move(with_others);
+    Impl::begin_anew(impl_, std::move(with_others));
     return true;
   };
   const auto reach = [&](double t) {

@@ -175,7 +175,7 @@ double SimulatorState::time() const { return impl_ ? impl_->now.motion.time : kN
 void Simulator::reset() {
   const double start = impl_->first->start_time.value_or(impl_->first->time.start);
   if (impl_->first != impl_->owned) {
-    impl_ = std::make_unique<Impl>(impl_->first, impl_->limits, start);
+    Impl::begin_anew(impl_, std::make_unique<Impl>(impl_->first, impl_->limits, start));
   } else {
     impl_->start(start, impl_->structure.start);
   }

@@ -362,12 +362,24 @@ struct Simulator::Impl {
     return out;
   }
 
-  // Keeps the present simulator for a return to its equations.
+  // Puts another simulator of the same scene in the place of this one. Spans of its outputs stay valid.
+  static void begin_anew(std::unique_ptr<Impl>& impl, std::unique_ptr<Impl> next) {
+    take_row(*impl, *next);
+    impl = std::move(next);
+  }
+
+  // The same, and keeps the present simulator for a return to its equations.
   static void replace(std::unique_ptr<Impl>& impl, std::unique_ptr<Impl> next) {
+    take_row(*impl, *next);
     next->others.reserve(kMostOthers);
     if (next->others.size() == kMostOthers) next->others.erase(next->others.begin());
     next->others.push_back(std::move(impl));
     impl = std::move(next);
+  }
+
+  static void take_row(Impl& from, Impl& next) {
+    std::copy(next.row.begin(), next.row.end(), from.row.begin());
+    next.row.swap(from.row);
   }
 
   // ---- redundant equations

@@ -7,6 +7,7 @@
 #include "index.hpp"
 #include "scene/lowering.hpp"
 #include "scene/tape.hpp"
+#include "structure/at_rest.hpp"
 #include "structure/classes.hpp"
 #include "structure/cut.hpp"
 #include "structure/freedoms.hpp"
@@ -40,10 +41,11 @@ void count(const System& s, const std::vector<Index>& unknowns, Structure& out) 
   for (const DriverInput& in : s.inputs) out.mobility += freedoms_of(s, in);
 }
 
-void list_left_out(const Blocks& blocks, const Cut& cut, Structure& out) {
+void list_left_out(const Blocks& blocks, const Cut& cut, AtRest at_rest, Structure& out) {
   for (Index b = 0; b < blocks.size(); ++b) {
     const auto u = blocks.unknowns_of(b);
-    if (cut.is_static(b)) out.static_coordinates.insert(out.static_coordinates.end(), u.begin(), u.end());
+    if (cut.is_static(b) && at_rest == AtRest::left_out)
+      out.static_coordinates.insert(out.static_coordinates.end(), u.begin(), u.end());
     if (cut.is_needed(b)) continue;
     out.left_out.unknowns += static_cast<std::int64_t>(u.size());
     out.left_out.equations += static_cast<std::int64_t>(blocks.equations_of(b).size());
@@ -83,10 +85,30 @@ GroupContent content(const Blocks& blocks, const std::vector<Index>& solved, con
   return c;
 }
 
+// The groups at rest, on levels below 0. Only positions are solved: the rates are 0.
+void classify_at_rest(const Blocks& blocks, const std::vector<Draft>& drafts, const Cut& cut, ClassTable& table,
+                      Structure& out) {
+  std::vector<Index> solved;
+  for (const Draft& d : drafts) {
+    solved.clear();
+    std::copy_if(d.blocks.begin(), d.blocks.end(), std::back_inserter(solved),
+                 [&](Index b) { return cut.is_needed(b) && cut.is_static(b); });
+    if (solved.empty()) continue;
+    Group group;
+    group.name = d.name;
+    group.of = d.of;
+    group.level = d.level - static_cast<Index>(drafts.size());
+    group.wanted_derivatives = 0;
+    table.classify(content(blocks, solved, cut, 0, 0), group);
+    out.groups.push_back(std::move(group));
+  }
+}
+
 void classify(const System& s, const Blocks& blocks, std::vector<Draft> drafts, const Cut& cut,
-              int predictor_derivatives, Structure& out) {
+              int predictor_derivatives, AtRest at_rest, Structure& out) {
   ClassTable table(s, cut.moves);
   out.groups.reserve(drafts.size());
+  if (at_rest == AtRest::in_front) classify_at_rest(blocks, drafts, cut, table, out);
   std::vector<Index> solved;
   for (std::size_t g = 0; g < drafts.size(); ++g) {
     const Draft d = std::move(drafts[g]);
@@ -177,6 +199,10 @@ void drop_repeated(std::vector<Diagnostic>& notes) {
 }  // namespace
 
 Structure analyze(const Scene& scene, const StructureOptions& options) {
+  return analyze(scene, options, AtRest::left_out);
+}
+
+Structure analyze(const Scene& scene, const StructureOptions& options, AtRest at_rest) {
   const bool irreducible = options.formulation == Formulation::irreducible;
   const bool at_start = options.posture.empty();
   System s = lower(std::make_shared<const Scene>(scene), options.controlled, !irreducible);
@@ -207,8 +233,8 @@ Structure analyze(const Scene& scene, const StructureOptions& options) {
 
   std::vector<Draft> drafts = form_groups(s, p.blocks, options.formulation);
   const Cut cut = cut_to_outputs(s, p.blocks, drafts, out.checks, options.predictor_derivatives);
-  list_left_out(p.blocks, cut, out);
-  classify(s, p.blocks, std::move(drafts), cut, options.predictor_derivatives, out);
+  list_left_out(p.blocks, cut, at_rest, out);
+  classify(s, p.blocks, std::move(drafts), cut, options.predictor_derivatives, at_rest, out);
   close_gaps(out);
   watch_unsolved_equations(s, p.blocks, cut, out);
 

@@ -198,7 +198,7 @@ TEST(Fleet, FewTimesGiveTheSameMotion) {
 TEST(Fleet, LinkagesThatCannotBegin) {
   const std::vector<double> times = times_of(one_turn(10));
   const Kept apart = run(four_bar(1, 1, 1, 5), times);
-  EXPECT_EQ(apart.motion.status.code, Code::not_converged);
+  EXPECT_EQ(apart.motion.status.code, Code::not_assembled);
   EXPECT_EQ(apart.motion.joint, 3);
   EXPECT_TRUE(std::isnan(apart.motion.reached));
   EXPECT_TRUE(apart.path.empty());

@@ -54,7 +54,7 @@ TEST(FleetTriads, MotionsAreThoseOfTheSimulator) {
   }
   EXPECT_GT(codes[Code::ok], 100);
   EXPECT_GT(codes[Code::limit_reached], 100);
-  EXPECT_EQ(codes[Code::ok] + codes[Code::limit_reached] + codes[Code::not_converged], 300);
+  EXPECT_EQ(codes[Code::ok] + codes[Code::limit_reached] + codes[Code::not_assembled], 300);
 }
 
 // Newton's method passes near other postures, to which a coarse grid invites.
@@ -221,7 +221,7 @@ TEST(FleetTriads, OneThatCannotBegin) {
   Linkage linkage = with_triad(0);
   linkage.joints[6].value[0] = 100;
   const Kept kept = run(linkage, {0});
-  EXPECT_EQ(name(kept.motion.status.code), "not_converged");
+  EXPECT_EQ(name(kept.motion.status.code), "not_assembled");
   EXPECT_EQ(kept.motion.joint, 5);
   EXPECT_TRUE(kept.path.empty());
   EXPECT_THROW((void)scene_of(linkage, one_turn(10)), Error);

@@ -90,7 +90,7 @@ TEST(Ensemble, AMemberAtItsLimitDoesNotStopTheOthers) {
     EXPECT_FALSE(cannot.status.ok());
     EXPECT_EQ(all.rows(3), 0u);
     EXPECT_TRUE(std::isnan(all(3, 0, 0)));
-    EXPECT_EQ(e.report().status.code, Code::not_converged);  // the status of the first member that is not ok
+    EXPECT_EQ(e.report().status.code, Code::not_assembled);  // the status of the first member that is not ok
     EXPECT_EQ(e.report().status.where, Place::member(3));
   }
 }

@@ -25,7 +25,7 @@ Members::Failure failure_of(const Ensemble::Outcome& outcome) {
 Code Members::code() const {
   if (interrupted > 0) return Code::interrupted;
   for (const Failure& f : failed) {
-    const Code of = f.status.value_or(Code::not_converged);
+    const Code of = f.status.value_or(Code::not_assembled);
     if (of != Code::inaccurate) return of;
   }
   return failed.empty() ? Code::ok : Code::inaccurate;
