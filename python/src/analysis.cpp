@@ -135,9 +135,9 @@ characteristic length of the mechanism.)")
   m.def(
       "certify",
       [](const Session& session) {
-        const Simulator& simulator = session.open();
+        const Session::Use simulator = session.use();
         const py::gil_scoped_release release;
-        return certify(simulator);
+        return certify(*simulator);
       },
       py::arg("simulator"));
   m.def(

@@ -329,7 +329,9 @@ jacobian(x): array of (equations, coordinates). curvature(x, rates): array of (e
           self, "Adds outputs: 'C', 'C.velocity', 'C.vx', a measure, a body, or 'all' alone.")
       .def("time", &B::time, py::arg("start"), py::arg("end"), py::arg("step"), self, "The time grid, s.")
       .def(
-          "build", [](const B& b) { return b.build(); }, "Checks and returns the Scene; InputError has every finding.")
+          // Functions of the program are called, and may change the builder meanwhile: a copy is built.
+          "build", [](const B& b) { return B(b).build(); },
+          "Checks and returns the Scene; InputError has every finding.")
       .def("__repr__", [](const B&) { return std::string("SceneBuilder()"); });
 }
 

@@ -28,10 +28,10 @@ Item* item_in(PyObject* object) {
   return reinterpret_cast<py::detail::instance*>(object)->get_value_and_holder().value_ptr<Item>();
 }
 
-// Null if it is closed.
+// Null if it is closed or in use.
 Simulator* simulator_in(PyObject* self) {
   const Session* const session = item_in<Session>(self);
-  return session == nullptr ? nullptr : session->simulator.get();
+  return session == nullptr ? nullptr : session->at_hand();
 }
 
 // Calls fast(), and makes its exceptions exceptions of Python.
@@ -66,11 +66,14 @@ PyObject* set(PyObject* self, PyObject* const* arguments, Py_ssize_t count, PyOb
 }
 
 PyObject* step(PyObject* self, PyObject* const* arguments, Py_ssize_t count, PyObject* names) {
-  Simulator* const simulator = simulator_in(self);
-  if (simulator == nullptr || names != nullptr || count != 0) {
+  const Simulator* const simulator = simulator_in(self);
+  if (simulator == nullptr || names != nullptr || count != 0 || simulator->prepared().plan.run.threads > 1) {
     return call(methods().step, self, arguments, count, names);
   }
-  return guarded([&] { return object_of(simulator->step()).release().ptr(); });
+  return guarded([&] {
+    const Session::Use in_use = item_in<Session>(self)->use();  // a law may call Python
+    return object_of(in_use->step()).release().ptr();
+  });
 }
 
 PyObject* output(PyObject* self, PyObject* const* arguments, Py_ssize_t count, PyObject* names) {

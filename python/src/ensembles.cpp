@@ -49,15 +49,9 @@ Table table_of(const py::dict& columns) {
 using Path = std::filesystem::path;
 using Names = std::vector<std::string>;
 
-// An ensemble with the names of its table, until it is closed.
-struct TableEnsemble {
+// An ensemble with the names of its table.
+struct TableEnsemble : Exclusive<Ensemble> {
   Names names;
-  std::shared_ptr<Ensemble> ensemble;
-
-  [[nodiscard]] Ensemble& open() const {
-    if (!ensemble) throw Error(Error::Kind::input, "the ensemble is closed; make another one");
-    return *ensemble;
-  }
 
   void bind(const py::dict& columns) const {
     Table table = table_of(columns);
@@ -73,7 +67,7 @@ struct TableEnsemble {
     for (std::size_t i = 0; i < values.size(); i += names.size()) {
       for (std::size_t k = 0; k < names.size(); ++k) values[i + k] = table.values[i + place[k]];
     }
-    open().bind(std::move(values));
+    use()->bind(std::move(values));
   }
 };
 
@@ -82,11 +76,10 @@ struct TableEnsemble {
 template <class Run>
 auto run_members(const TableEnsemble& e, const std::optional<Array>& times, const py::object& progress,
                  bool& interrupted, const Run& run) {
-  Ensemble& ensemble = e.open();
-  const auto keep = e.ensemble;  // another thread may close it meanwhile
+  const TableEnsemble::Use ensemble = e.use();
   const std::vector<double> at = times ? numbers(*times) : std::vector<double>();
   return run_watched(progress, interrupted, [&](const Simulator::Observer& observer) {
-    return times ? run(ensemble, std::span(at), observer) : run(ensemble, observer);
+    return times ? run(*ensemble, std::span(at), observer) : run(*ensemble, observer);
   });
 }
 
@@ -146,6 +139,7 @@ result: nothing is copied, and they cannot be written.)")
           },
           py::arg("column"), "One output of all members: an array of (members, times).")
       .def("__len__", &EnsembleTrajectory::members)
+      .def("__iter__", [](const EnsembleTrajectory& e) { return py::iter(py::cast(e.columns())); })
       .def("__contains__",
            [](const EnsembleTrajectory& e, const std::string& column) {
              return std::find(e.columns().begin(), e.columns().end(), column) != e.columns().end();
@@ -191,8 +185,9 @@ result: nothing is copied, and they cannot be written.)")
              options.mode = Mode::throughput;
              options.without = without;
              const py::gil_scoped_release release;
-             return TableEnsemble{table.names,
-                                  std::make_shared<Ensemble>(scene, table.names, std::move(table.values), options)};
+             return TableEnsemble{{std::make_unique<Ensemble>(scene, table.names, std::move(table.values), options),
+                                   "ensemble", scene.name()},
+                                  table.names};
            }),
            py::arg("scene"), py::arg("values"), py::kw_only(), py::arg("strategy") = "auto",
            py::arg("threads") = py::none(), py::arg("without") = std::vector<std::string>{},
@@ -276,29 +271,28 @@ member in theirs. An exception of the callback ends the run. For less work per r
           "'maximum', "
           "'minimum_time', 'maximum_time', 'mean' and 'last', arrays of (members,), SI units. NaN where a member has "
           "no row. times: an array of (times,), s.")
-      .def("__len__", [](const TableEnsemble& e) { return e.open().members(); })
+      .def("__len__", [](const TableEnsemble& e) { return e.constant().members(); })
       .def_readonly("names", &TableEnsemble::names, "Names of the values.")
       .def_property_readonly(
-          "outcomes", [](const TableEnsemble& e) { return e.open().outcomes(); },
+          "outcomes", [](const TableEnsemble& e) { return e.use()->outcomes(); },
           "The end of each member in the last run: a list of Outcome.")
       .def_property_readonly(
-          "report", [](const TableEnsemble& e) { return e.open().report(); },
+          "report", [](const TableEnsemble& e) { return e.use()->report(); },
           "Report of the last run: sums and largest errors of all members.")
       .def_property_readonly(
           "prepared",
           [](const TableEnsemble& e) {
-            return Ready{e.open().prepared(), {}};
+            return Ready{e.use()->prepared(), {}};
           },
           "Plan and structure of the first member.")
       .def(
-          "close", [](TableEnsemble& e) { e.ensemble.reset(); },
+          "close", [](TableEnsemble& e) { e.close(); },
           "Ends threads and returns memory; any later use raises InputError. Results stay valid.")
       .def("__enter__", [](const py::object& self) { return self; })
-      .def("__exit__", [](TableEnsemble& e, const py::args&) { e.ensemble.reset(); })
+      .def("__exit__", [](TableEnsemble& e, const py::args&) { e.close(); })
       .def("__repr__", [](const TableEnsemble& e) {
-        if (!e.ensemble) return std::string("Ensemble(closed)");
-        std::string out =
-            "Ensemble('" + e.open().prepared().name + "', " + plural(e.open().members(), "member") + " by";
+        if (*e.state() != 0) return "Ensemble(" + std::string(e.state()) + ")";
+        std::string out = "Ensemble('" + e.name() + "', " + plural(e.constant().members(), "member") + " by";
         for (const std::string& name : e.names) out += " " + name;
         return out + ")";
       });

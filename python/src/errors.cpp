@@ -61,7 +61,15 @@ void add_errors(py::module_& m) {
           "index", [](const Status& s) { return s.where.index; },
           "Number of the object that the status is about, which Simulator.name_of() names; -1 if none.")
       .def("__bool__", &Status::arrived)
-      .def("__eq__", [](const Status& s, const std::string& code) { return name(s.code) == code; })
+      .def(
+          "__eq__", [](const Status& s, const std::string& code) { return name(s.code) == code; }, py::is_operator())
+      .def(
+          "__eq__",
+          [](const Status& a, const Status& b) {
+            return a.code == b.code && a.where == b.where &&
+                   (a.figure == b.figure || (a.figure != a.figure && b.figure != b.figure));
+          },
+          py::is_operator())
       .def("__repr__", [](const Status& s) { return text_of(s); });
 
   py::class_<Event>(m, "Event", R"(Something that happened at a time: a fold, a change point, a doubt, a limit.)")

@@ -17,6 +17,24 @@ sweep::JointCounts counts_of(std::pair<int, int> joints) {
   return {joints.first, joints.second};
 }
 
+// The arguments of the function that makes this joint.
+py::tuple arguments_of(const LinkageJoint& j) {
+  using Kind = LinkageJoint::Kind;
+  switch (j.kind) {
+    case Kind::ground:
+      return py::make_tuple(j.value[0], j.value[1]);
+    case Kind::crank:
+      return py::make_tuple(j.first, j.value[0], j.value[1], j.value[2]);
+    case Kind::dyad:
+      return py::make_tuple(j.first, j.second, j.value[0], j.value[1], j.left);
+    case Kind::point:
+      return py::make_tuple(j.first, j.second, j.value[0], j.value[1]);
+    case Kind::triad:
+      break;
+  }
+  return py::make_tuple(j.first, j.value[0], j.value[1], j.value[2]);
+}
+
 void add_distance(py::module_& m, const char* name,
                   double (*distance)(std::span<const PlanePoint>, std::span<const PlanePoint>), const char* doc) {
   m.def(
@@ -93,10 +111,15 @@ void add_fleets(py::module_& m) {
       .def_readonly("left", &LinkageJoint::left, "Of a dyad: on the left of the line from `first` to `second`.")
       .def_readonly("value", &LinkageJoint::value,
                     "Three numbers: (x, y, 0), (radius, angle, speed), (to_first, to_second, 0), ...; m, rad, rad/s.")
+      .def(
+          "__eq__",
+          [](const LinkageJoint& a, const LinkageJoint& b) {
+            return a.kind == b.kind && arguments_of(a).equal(arguments_of(b));
+          },
+          py::is_operator())
+      .def("__hash__", [](const LinkageJoint& j) { return py::hash(arguments_of(j)); })
       .def("__repr__", [](const LinkageJoint& j) {
-        return py::str("LinkageJoint.{}({}, {}, {}, {}, {})")
-            .format(kind_of(j), j.first, j.second, j.value[0], j.value[1], j.value[2])
-            .cast<std::string>();
+        return std::string("LinkageJoint.") + kind_of(j) + py::repr(arguments_of(j)).cast<std::string>();
       });
 
   py::class_<Fleet>(m, "Fleet", R"(Many planar linkages of any structure, given as lists of LinkageJoint.)")

@@ -60,16 +60,17 @@ void add_jacobians(py::module_& m) {
   add_classes(m);
   py::class_<Session>(m.attr("Simulator"))
       .def_property_readonly(
-          "drivers", [](const Session& s) { return s.open().drivers(); },
+          "drivers", [](const Session& s) { return s.use()->drivers(); },
           "Names of the controlled drivers, and of each value of a controlled pose.")
       .def(
-          "jacobian", [](const Session& s) { return s.open().jacobian(); },
+          "jacobian", [](const Session& s) { return s.call([](Simulator& of) { return of.jacobian(); }); },
           "The derivatives of the outputs with respect to the controlled drivers at the current posture: an "
           "OutputJacobian.")
       .def(
           "constraint_jacobian",
           [](const Session& s, std::optional<std::int32_t> group) {
-            return group ? s.open().constraint_jacobian(*group) : s.open().constraint_jacobian();
+            return s.call(
+                [&](Simulator& of) { return group ? of.constraint_jacobian(*group) : of.constraint_jacobian(); });
           },
           py::arg("group") = py::none(),
           "The derivatives of the equations at the current posture: a ConstraintJacobian. group: number of a group, "
@@ -79,8 +80,7 @@ void add_jacobians(py::module_& m) {
           [](const Session& session, const py::function& callback,
              const std::optional<std::vector<std::string>>& columns, std::size_t every, std::size_t block,
              const std::optional<Array>& times, const py::object& progress) {
-            Simulator& s = session.open();
-            const auto keep = session.simulator;  // another thread may close it meanwhile
+            const Session::Use s = session.use();
             RowSelection selection;
             if (columns) selection.columns = *columns;
             selection.every = every;
@@ -89,7 +89,7 @@ void add_jacobians(py::module_& m) {
             const RowSink sink = row_sink(callback, false);
             bool interrupted = false;
             const std::size_t rows = run_watched(progress, interrupted, [&](const Simulator::Observer& observer) {
-              return times ? s.stream(selection, sink, at, observer) : s.stream(selection, sink, observer);
+              return times ? s->stream(selection, sink, at, observer) : s->stream(selection, sink, observer);
             });
             if (interrupted) raise_interrupted(py::int_(rows));
             return rows;

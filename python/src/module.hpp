@@ -52,13 +52,90 @@ struct Motions : Trajectory {
   Report report;
 };
 
-// A simulator until it is closed. Arrays that show its memory keep it alive.
-struct Session {
-  std::shared_ptr<Simulator> simulator;
-  std::vector<ModeChoice> modes;
+// An object that changes and serves one call at a time, until it is closed. A call that comes meanwhile, from another
+// thread or from a function that the first call calls, is refused: if it waited, the function would wait for ever. The
+// lock of the interpreter guards the flag.
+template <class Object>
+class Exclusive {
+ public:
+  // The object for as long as this lives.
+  class Use {
+   public:
+    explicit Use(const Exclusive& of) : of_(of) { of_.in_use_ = true; }
+    ~Use() { of_.in_use_ = false; }
+    Use(const Use&) = delete;
+    Use& operator=(const Use&) = delete;
+    Object& operator*() const { return *of_.object_; }
+    Object* operator->() const { return of_.object_.get(); }
 
-  // Throws Error (input) if it is closed.
-  [[nodiscard]] Simulator& open() const;
+   private:
+    const Exclusive& of_;
+  };
+
+  // noun, name: of the object, for messages.
+  Exclusive(std::unique_ptr<Object> object, const char* noun, std::string name)
+      : object_(std::move(object)), noun_(noun), name_(std::move(name)) {}
+
+  // Throws Error (input) if the object is closed or in use.
+  [[nodiscard]] Use use() const {
+    check_free();
+    (void)constant();
+    return Use(*this);
+  }
+  // The object for parts that no call changes. Throws Error (input) if it is closed.
+  [[nodiscard]] const Object& constant() const {
+    if (!object_) throw Error(Error::Kind::input, std::string("the ") + noun_ + " is closed; make another one");
+    return *object_;
+  }
+  // The object if it can be used; null if use() throws.
+  [[nodiscard]] Object* at_hand() const { return in_use_ ? nullptr : object_.get(); }
+  // Ends threads and returns memory, but for the memory that arrays show. Throws Error (input) if it is in use.
+  void close() {
+    check_free();
+    object_.reset();
+  }
+  [[nodiscard]] const std::string& name() const { return name_; }
+  // Shares the object with an array that shows its memory.
+  [[nodiscard]] std::shared_ptr<Object> shared() const { return object_; }
+  // "closed" or "in use"; "": it can be used.
+  [[nodiscard]] const char* state() const { return in_use_ ? "in use" : object_ ? "" : "closed"; }
+
+ private:
+  void check_free() const {
+    if (!in_use_) return;
+    const std::string noun = noun_;
+    throw Error(Error::Kind::input, "the " + noun + " of '" + name_ +
+                                        "' is in use, by a call of another thread or by the call that called this "
+                                        "function; make one " +
+                                        noun + " for each thread, and one for the function");
+  }
+
+  std::shared_ptr<Object> object_;
+  const char* noun_;
+  std::string name_;
+  mutable bool in_use_ = false;
+};
+
+// Calls work(). Threads of the plan may have to call Python: if there are any, this thread gives them the lock of the
+// interpreter.
+template <class Work>
+auto with_threads(const Plan& plan, const Work& work) {
+  std::optional<py::gil_scoped_release> release;
+  if (plan.run.threads > 1) release.emplace();
+  return work();
+}
+
+// A simulator.
+struct Session : Exclusive<Simulator> {
+  explicit Session(const Ready& prepared, const StepLimits& limits = {});
+  // Calls work(simulator).
+  template <class Work>
+  auto call(const Work& work) const {
+    const Use simulator = use();
+    return with_threads(simulator->prepared().plan, [&] { return work(*simulator); });
+  }
+
+  std::vector<ModeChoice> modes;
 };
 
 // An array that shows memory of `owner`, which it keeps alive; not writable. strides: bytes; empty: contiguous.

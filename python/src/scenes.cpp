@@ -79,7 +79,10 @@ A number or a sequence of coefficients c0, c1, ... stands for a law wherever one
 
 Slow: each step calls Python, and threads wait for each other. The same time must give the same answer. Rate and
 acceleration are compared with differences; raise `tolerance` if they are approximations.)")
-      .def("__add__", [](const Law& a, const Law& b) { return a + b; })
+      .def(
+          "__add__", [](const Law& a, const Law& b) { return a + b; }, py::is_operator())
+      .def(
+          "__radd__", [](const Law& b, const Law& a) { return a + b; }, py::is_operator())
       .def(
           "__call__",
           [](const Law& law, double t) {
@@ -87,7 +90,8 @@ acceleration are compared with differences; raise `tolerance` if they are approx
             return py::make_tuple(motion.value, motion.rate, motion.acceleration);
           },
           py::arg("t"), "(value, rate, acceleration) at t (s); NaN outside of the range of a table.")
-      .def("__eq__", [](const Law& a, const Law& b) { return a == b; })
+      .def(
+          "__eq__", [](const Law& a, const Law& b) { return a == b; }, py::is_operator())
       .def("__repr__", [](const Law& law) { return "Law(" + plural(law.parts().size(), "part") + ")"; });
   py::implicitly_convertible<py::float_, Law>();
   py::implicitly_convertible<py::int_, Law>();

@@ -49,10 +49,10 @@ py::object object_of(const Status& status) {
   return status.ok() && status.figure == 0 ? *kOk : py::cast(status);
 }
 
-Simulator& Session::open() const {
-  if (!simulator) throw Error(Error::Kind::input, "the simulator is closed; make another one");
-  return *simulator;
-}
+Session::Session(const Ready& prepared, const StepLimits& limits)
+    : Exclusive(with_threads(prepared.plan, [&] { return std::make_unique<Simulator>(prepared, limits); }), "simulator",
+                prepared.name),
+      modes(prepared.modes) {}
 
 void add_simulators(py::module_& m) {
   py::class_<Motions>(m, "Trajectory", R"(The rows of a run, in SI units. motion['C.x'] is a column.
@@ -76,6 +76,7 @@ Arrays show the memory of the trajectory: nothing is copied, and they cannot be 
           "All outputs: an array of (rows, columns), SI units.")
       .def("__getitem__", &column_of, py::arg("column"), "One output over time: an array of (rows,).")
       .def("__len__", &Trajectory::rows)
+      .def("__iter__", [](const Motions& t) { return py::iter(py::cast(t.columns())); })
       .def("__contains__",
            [](const Motions& t, const std::string& column) {
              return std::find(t.columns().begin(), t.columns().end(), column) != t.columns().end();
@@ -121,11 +122,11 @@ A simulator serves one thread at a time; different simulators run in different t
   simulator
       .def(py::init([](const py::object& of, int iterations, int most_iterations, double seconds,
                        const std::vector<int>& pin_to) {
-             const Ready prepared =
-                 py::isinstance<Scene>(of) ? Ready{prepare(of.cast<const Scene&>()), {}} : of.cast<const Ready&>();
-             return Session{
-                 std::make_shared<Simulator>(prepared, limits_of(iterations, most_iterations, seconds, pin_to)),
-                 prepared.modes};
+             const StepLimits limits = limits_of(iterations, most_iterations, seconds, pin_to);
+             if (py::isinstance<Scene>(of)) return Session({prepare(of.cast<const Scene&>()), {}}, limits);
+             if (py::isinstance<Ready>(of)) return Session(of.cast<const Ready&>(), limits);
+             throw py::type_error("a Simulator needs a Prepared or a Scene, not " + py::repr(of).cast<std::string>() +
+                                  "; assur.scene() opens files and samples");
            }),
            py::arg("prepared"), py::kw_only(), py::arg("iterations") = 0, py::arg("most_iterations") = 12,
            py::arg("seconds") = 0., py::arg("pin_to") = std::vector<int>{},
@@ -134,47 +135,52 @@ A simulator serves one thread at a time; different simulators run in different t
 iterations: a fixed number of Newton iterations (0: until they converge). most_iterations: a step is divided if it needs
 more. seconds: time limit of one step, s; 0: none. pin_to: processors for the threads.)")
       .def_property_readonly(
-          "time", [](const Session& s) { return s.open().time(); }, "Time of the current posture, s.")
+          "time", [](const Session& s) { return s.use()->time(); }, "Time of the current posture, s.")
       // set(), step() and output() are documented in control_loops.cpp.
-      .def("step", [](const Session& s) { return object_of(s.open().step()); })
+      .def("step", [](const Session& s) { return object_of(s.call([](Simulator& of) { return of.step(); })); })
       .def(
-          "step", [](const Session& s, double t) { return object_of(s.open().step(t)); }, py::arg("t"))
+          "step",
+          [](const Session& s, double t) { return object_of(s.call([t](Simulator& of) { return of.step(t); })); },
+          py::arg("t"))
       .def(
           "set",
           [](const Session& s, DriverHandle driver, double value, double rate, double acceleration) {
-            s.open().set(driver, value, rate, acceleration);
+            s.use()->set(driver, value, rate, acceleration);
           },
           py::arg("driver"), py::arg("value"), py::arg("rate") = 0., py::arg("acceleration") = 0.)
       .def(
           "set",
           [](const Session& s, const std::string& driver, double value, double rate, double acceleration) {
-            s.open().set(driver, value, rate, acceleration);
+            s.use()->set(driver, value, rate, acceleration);
           },
           py::arg("driver"), py::arg("value"), py::arg("rate") = 0., py::arg("acceleration") = 0.)
       .def(
-          "driver", [](const Session& s, const std::string& name) { return s.open().driver(name); }, py::arg("name"),
+          "driver", [](const Session& s, const std::string& name) { return s.use()->driver(name); }, py::arg("name"),
           "The handle of a controlled driver, for control loops.")
       .def(
-          "index", [](const Session& s, const std::string& column) { return s.open().index(column); },
+          "index", [](const Session& s, const std::string& column) { return s.use()->index(column); },
           py::arg("column"), "Index of a column in outputs, for control loops.")
       .def(
           "output",
-          [](const Session& s, std::size_t column) { return s.open().outputs()[check_index(s.open(), column)]; },
+          [](const Session& session, std::size_t column) {
+            const Session::Use s = session.use();
+            return s->outputs()[check_index(*s, column)];
+          },
           py::arg("column"))
       .def(
-          "output", [](const Session& s, const std::string& column) { return s.open().output(column); },
+          "output", [](const Session& s, const std::string& column) { return s.use()->output(column); },
           py::arg("column"), "One output at the current time, by its name or by index(); SI units.")
       .def(
           "name_of", [](const Session& s, const Status& status) { return s.open().name_of(status.where); },
           py::arg("status"),
           "Name of the driver, group or limited quantity that a status of this simulator is about; '' if none.")
       .def_property_readonly(
-          "columns", [](const Session& s) { return s.open().columns(); }, "Names of the outputs.")
+          "columns", [](const Session& s) { return s.use()->columns(); }, "Names of the outputs.")
       .def_property_readonly(
           "outputs",
           [](const Session& s) {
-            const std::span<const double> row = s.open().outputs();
-            const py::capsule keep(new std::shared_ptr<Simulator>(s.simulator),
+            const std::span<const double> row = s.use()->outputs();
+            const py::capsule keep(new std::shared_ptr<Simulator>(s.shared()),
                                    [](void* p) { delete static_cast<std::shared_ptr<Simulator>*>(p); });
             return view(row.data(), {static_cast<py::ssize_t>(row.size())}, keep);
           },
@@ -184,15 +190,14 @@ more. seconds: time limit of one step, s; 0: none. pin_to: processors for the th
       .def(
           "run",
           [](const Session& session, const std::optional<Array>& times, const py::object& progress) {
-            Simulator& s = session.open();
-            const auto keep = session.simulator;  // another thread may close the session meanwhile
+            const Session::Use s = session.use();
             const std::vector<double> at = times ? numbers(*times) : std::vector<double>();
             bool interrupted = false;
             Trajectory rows = run_watched(progress, interrupted, [&](const Simulator::Observer& observer) {
-              return times ? s.run(at, observer) : s.run(observer);
+              return times ? s->run(at, observer) : s->run(observer);
             });
             py::object out = py::cast(Motions{
-                std::move(rows), std::make_shared<const Ready>(Ready{s.prepared(), session.modes}), s.report()});
+                std::move(rows), std::make_shared<const Ready>(Ready{s->prepared(), session.modes}), s->report()});
             if (interrupted) raise_interrupted(out);
             return out;
           },
@@ -203,51 +208,56 @@ of (times,), s, ascending.
 Returns a Trajectory with the rows that were reached; its status tells why it ended. Other threads of Python go on
 meanwhile. Ctrl-C raises Interrupted, whose `result` has the rows that were done. progress: tqdm, or a bar of it.)")
       .def(
-          "reset", [](const Session& s) { s.open().reset(); },
+          "reset", [](const Session& s) { s.call([](Simulator& of) { of.reset(); }); },
           "Returns to the start posture; clears report and targets.")
       .def(
-          "retreat", [](const Session& s) { s.open().retreat(); },
+          "retreat", [](const Session& s) { s.call([](Simulator& of) { of.retreat(); }); },
           "Returns to the last posture that an undivided step reached: after step(t) failed near a limit.")
       .def(
-          "save", [](const Session& s) { return s.open().save(); }, "Saves the state, to which restore() returns.")
+          "save", [](const Session& s) { return s.use()->save(); }, "Saves the state, to which restore() returns.")
       .def(
-          "restore", [](const Session& s, const SimulatorState& state) { s.open().restore(state); }, py::arg("state"),
-          "Returns to a saved state.")
+          "restore",
+          [](const Session& s, const SimulatorState& state) { s.call([&](Simulator& of) { of.restore(state); }); },
+          py::arg("state"), "Returns to a saved state.")
       .def_property_readonly(
-          "report", [](const Session& s) { return s.open().report(); },
+          "report", [](const Session& s) { return s.use()->report(); },
           "Report since the begin of the run, or of the single steps.")
       .def_property_readonly(
           "prepared",
           [](const Session& s) {
-            return Ready{s.open().prepared(), s.modes};
+            return Ready{s.use()->prepared(), s.modes};
           },
           "Plan and structure in use.")
       .def(
           "examine",
-          [](const Session& s) {
-            const Structure& structure = *s.open().prepared().structure;
+          [](const Session& session) {
+            std::shared_ptr<const Structure> structure;
+            const std::vector<GroupFigures> figures = session.call([&](Simulator& s) {
+              structure = s.prepared().structure;
+              return s.examine();
+            });
             py::dict out;
-            for (const GroupFigures& f : s.open().examine()) {
+            for (const GroupFigures& f : figures) {
               py::dict of;
               of["residual"] = f.residual;
               of["condition"] = f.condition;
               of["estimated_error"] = f.estimated_error;
-              out[py::str(structure.name_of(Place::group(f.group)))] = of;
+              out[py::str(structure->name_of(Place::group(f.group)))] = of;
             }
             return out;
           },
           "Accuracy of each group at the current posture: a dict of groups, each a dict of 'residual', 'condition' and "
           "'estimated_error', relative to the characteristic length.")
       .def(
-          "close", [](Session& s) { s.simulator.reset(); },
+          "close", [](Session& s) { s.close(); },
           "Ends threads and returns memory; any later use raises InputError. Arrays of it stay valid.")
       .def("__enter__", [](const py::object& self) { return self; })
-      .def("__exit__", [](Session& s, const py::args&) { s.simulator.reset(); })
+      .def("__exit__", [](Session& s, const py::args&) { s.close(); })
       .def("__repr__", [](const Session& session) {
-        if (!session.simulator) return std::string("Simulator(closed)");
-        const Simulator& s = *session.simulator;
+        if (*session.state() != 0) return "Simulator(" + std::string(session.state()) + ")";
+        const Session::Use s = session.use();
         return py::str("Simulator('{}', time={:g} s, {})")
-            .format(s.prepared().name, s.time(), plural(s.columns().size(), "output"))
+            .format(s->prepared().name, s->time(), plural(s->columns().size(), "output"))
             .cast<std::string>();
       });
 }

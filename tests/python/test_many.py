@@ -109,6 +109,39 @@ def test_members_that_fail(mechanism):
     assert numpy.isnan(motion["C.x"][1, motion.rows[1] :]).all() and numpy.isnan(motion["C.x"][2]).all()
 
 
+def test_members_of_which_none_can_be_assembled(mechanism):
+    with assur.Ensemble(mechanism, {"coupler": [6.0, 6.1]}) as ensemble:
+        motion = ensemble.run()
+        assert (motion.rows == 0).all() and numpy.isnan(motion.values).all() and motion["C.x"].shape == (2, 201)
+        for outcome in ensemble.outcomes:
+            assert outcome.status == "not_assembled" and "coupler" in outcome.cannot
+        assert ensemble.report.status == "not_assembled" and ensemble.prepared.name == "four_bar"
+        ensemble.bind({"coupler": [3.0, 6.1, 3.1]})
+        assert list(ensemble.run().rows) == [201, 0, 201]
+    nowhere = mechanism.with_values(rocker=0.1)
+    ensemble = assur.Ensemble(nowhere, {"coupler": [0.3]})
+    assert ensemble.run().rows == [0] and len(ensemble.summarize(["C.x"])["C.x"]["mean"]) == 1
+    with pytest.raises(assur.NumericalError, match="scene as written"):
+        ensemble.prepared
+    assert repr(ensemble) == "Ensemble('four_bar', 1 member by coupler)"
+    with pytest.raises(assur.InputError, match="abacus"):
+        assur.Ensemble(mechanism, {"coupler": [6.0, 6.1]}, strategy="groups/abacus")
+
+
+def test_members_that_stand(mechanism):
+    """They are solved in lanes, once in each run."""
+    b = assur.SceneBuilder("stands", 2).point("A", (0, 0), fixed=True).point("D", (3, 0), fixed=True)
+    b.point("B", (1, 0)).point("C", (2.5, 2.4)).distance("coupler", "B", "C", 3).distance("rocker", "D", "C", 2.5)
+    stands = b.drive_angle("motor", "A", "B", 0.0).output("C.position").build()
+    lengths = numpy.linspace(2.9, 3.1, 40)
+    ensemble = assur.Ensemble(stands, {"coupler": lengths}, threads=1)
+    motion = ensemble.run()
+    assert ensemble.report.counters["group_solutions"] == 40 and ensemble.report.fallbacks == []
+    c = motion.values[:, 0]
+    assert numpy.allclose(numpy.hypot(c[:, 0] - 1, c[:, 1]), lengths, rtol=0, atol=1e-14)
+    assert numpy.allclose(numpy.hypot(c[:, 0] - 3, c[:, 1]), 2.5, rtol=0, atol=1e-14)
+
+
 def test_wrong_tables(mechanism):
     for values, what in [({}, "at least one"), ({"a": [1, 2], "b": [1, 2, 3]}, "3 values"), ({"q": [1]}, "q"),
                          ({"coupler": [[1, 2]]}, "one number")]:
@@ -140,9 +173,15 @@ def test_fleets():
     fleet = assur.Fleet(linkages)
     times = numpy.linspace(0, 1, 101)
     paths, reached, status = fleet.run(times, threads=2, accuracy=1e-6)
-    assert paths.shape == (4, 101, 2) and status[1] == "ok" and status[2] == "not_converged" and reached[1] == 1
+    assert paths.shape == (4, 101, 2) and status[1] == "ok" and status[2] == "not_assembled" and reached[1] == 1
     assert numpy.isnan(paths[2]).all() and len(fleet) == 4 and repr(fleet) == "Fleet(4 linkages)"
-    assert "dyad" in repr(linkages[0][3])
+    for linkage in linkages:
+        for j in linkage:
+            assert eval(repr(j), {"LinkageJoint": joint}) == j, "the text of a joint makes it again"
+    assert repr(linkages[1][3]) == "LinkageJoint.dyad(1, 2, 3.0, 2.5, True)"
+    assert joint.dyad(1, 2, 3, 2.5, True) != joint.dyad(1, 2, 3, 2.5, False) != None  # noqa: E711
+    assert joint.ground(0, 1) == joint.ground(0, 1) != joint.point(0, 1, 0, 1)
+    assert len({joint.ground(0, 1), joint.ground(0, 1), joint.crank(0, 1, 0, 1)}) == 2
     with pytest.raises(assur.InputError, match="linkage 0"):
         assur.Fleet([[joint.crank(0, 1, 0, 1)]])
 

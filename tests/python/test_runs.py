@@ -35,6 +35,20 @@ def test_prepare_and_plans(tmp_path, mechanism):
     assert machine.instructions and assur.__version__.count(".") == 2
 
 
+def test_statuses_are_compared(mechanism):
+    status = assur.run(mechanism).status
+    assert status == "ok" and status != "limit_reached" and status == assur.run(mechanism).status
+    assert status != None and not status == 5 and status in [None, "ok"] and status not in [None, 0]  # noqa: E711
+    jammed = assur.run(mechanism.with_values(rocker=1.4, coupler=2.0)).status
+    assert jammed != status and jammed == jammed and jammed == "limit_reached"
+
+
+def test_wrong_arguments_of_a_simulator():
+    for wrong in ("four_bar", None, 3):
+        with pytest.raises(TypeError, match="needs a Prepared or a Scene"):
+            assur.Simulator(wrong)
+
+
 def test_numerical_errors():
     apart = assur.SceneBuilder("apart", 2).point("A", (0, 0), fixed=True).point("D", (9, 0), fixed=True)
     apart.point("B", (1, 0)).point("C", (2, 2)).distance("crank", "A", "B", 1).distance("coupler", "B", "C", 1)
@@ -49,7 +63,8 @@ def test_arrays_show_the_memory_of_the_motion(mechanism):
     assert len(motion) == 201 and motion.values.shape == (201, len(motion.columns)) and motion.t.shape == (201,)
     x = motion["C.x"]
     assert numpy.shares_memory(x, motion.values) and numpy.array_equal(x, motion.values[:, motion.columns.index("C.x")])
-    assert "C.x" in motion and "C.q" not in motion and motion.keys() == motion.columns
+    assert "C.x" in motion and "C.q" not in motion and motion.keys() == motion.columns == list(motion)
+    assert set(dict(motion)) == set(motion.columns)
     with pytest.raises(ValueError):
         x[0] = 1
     copy = x.copy()

@@ -70,6 +70,8 @@ def test_laws():
     turn[-1] = turn[0]
     assert abs(assur.Law.table(t, turn, periodic=True)(2.25)[0] - 1) < 1e-5
     assert (assur.Law(1) + assur.Law([0, 1]))(2) == (3, 1, 0)
+    assert sum([assur.Law([0, 1]), 1, assur.Law(2)])(2) == (1 + assur.Law([2, 1]))(2) == (5, 1, 0)
+    assert assur.Law(1) == 1.0 and assur.Law(1) != None and not assur.Law(1) == "one"  # noqa: E711
     assert "2 parts" in repr(assur.Law(1) + assur.Law([0, 1]))
     with pytest.raises(assur.InputError):
         assur.Law.table([0, 0], [1, 2])
