@@ -1,6 +1,8 @@
 // Laws: scalar functions of time with two derivatives. Units are SI, angles are in rad.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <functional>
 #include <memory>
 #include <string>
@@ -48,13 +50,19 @@ class Law {
     double offset = 0;            // in the unit of the law
     friend bool operator==(const Harmonics&, const Harmonics&) = default;
   };
-  // The part that interpolates a table: a C2 cubic spline, either periodic or with not-a-knot ends (2 knots give a
-  // line, 3 knots a parabola).
+  // The part that interpolates a table by cubics: a C2 spline, either periodic or with not-a-knot ends (2 knots give a
+  // line, 3 knots a parabola); or a monotone one, which is C1: its acceleration jumps at knots.
   struct Spline {
     std::vector<double> time;    // knots: s, ascending, at least 2
     std::vector<double> value;   // same size; a periodic spline ends with its first value
-    std::vector<double> second;  // same size: second derivatives at the knots
+    std::vector<double> second;  // second derivatives: at the knots; of a monotone one at both ends of each interval
     bool periodic = false;       // true: defined at any time; false: between first and last knot
+    bool monotone = false;       // true: between two knots it stays between their values
+
+    // Second derivatives at both ends of the interval between knots k and k + 1.
+    [[nodiscard]] std::array<double, 2> bends(std::size_t k) const {
+      return monotone ? std::array{second[2 * k], second[2 * k + 1]} : std::array{second[k], second[k + 1]};
+    }
     friend bool operator==(const Spline&, const Spline&) = default;
   };
   // The part that a function of the program computes, see Law::function().
@@ -77,6 +85,9 @@ class Law {
   // large that the spline overflows, and for a periodic table that does not end with its first value (within a relative
   // 1e-12).
   [[nodiscard]] static Law table(std::vector<double> time, std::vector<double> value, bool periodic = false);
+  // The same. The C2 spline overshoots at corners of a table; a monotone one stays between the values of neighbouring
+  // points (Fritsch and Butland, SIAM J. Sci. Stat. Comput. 5, 1984), but its acceleration jumps at the points.
+  [[nodiscard]] static Law table(std::vector<double> time, std::vector<double> value, bool periodic, bool monotone);
   // A law that `motion` computes. assur may call it at any time of the run, repeatedly, and on several threads at once
   // (Simulator, Ensemble); the same time must give the same answer. Exceptions that it throws propagate through the
   // call that needed the law. assur trusts the value and checks rate and acceleration (docs/accuracy.md). Raise

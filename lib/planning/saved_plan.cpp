@@ -116,7 +116,7 @@ void fields(PlanWriter& write, const Law& law) {
     } else if (const auto* harmonics = std::get_if<Law::Harmonics>(&part)) {
       write(LawPart::harmonics, harmonics->offset, harmonics->terms);
     } else if (const auto* table = std::get_if<Law::Spline>(&part)) {
-      write(LawPart::table, table->periodic, table->time, table->value);
+      write(LawPart::table, table->periodic, table->monotone, table->time, table->value);
     }
   }
 }
@@ -139,10 +139,10 @@ void fields(PlanReader& read, Law& law) {
       read(offset, terms);
       laws.push_back(Law::harmonics(std::move(terms), offset));
     } else if (kind == LawPart::table) {
-      bool periodic = false;
+      bool periodic = false, monotone = false;
       std::vector<double> time, value;
-      read(periodic, time, value);
-      laws.push_back(Law::table(std::move(time), std::move(value), periodic));
+      read(periodic, monotone, time, value);
+      laws.push_back(Law::table(std::move(time), std::move(value), periodic, monotone));
     } else {
       read.refuse("a polynomial, harmonics or a table was expected here");
     }

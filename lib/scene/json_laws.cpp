@@ -149,7 +149,7 @@ Law JsonReader::law(const Place& at, double unit) {
   const Place value{*node.find(kind), where / kind};
   rows::Keys keys{{kind}};
   if (kind == "harmonics") keys.allowed.push_back("offset");
-  if (kind == "table") keys.allowed.push_back("periodic");
+  if (kind == "table") keys.allowed.insert(keys.allowed.end(), {"periodic", "monotone"});
   const Object object(*this, at, keys);
   try {
     if (kind == "constant") return Law::constant((unit * Number(number(value))).value());
@@ -191,7 +191,7 @@ Law JsonReader::harmonics(const Place& at, const Object& object, double unit) {
 }
 
 // The rows of a table in the scene itself.
-Law JsonReader::rows_of_table(const Place& at, const Where& law, bool closes, double unit) {
+Law JsonReader::rows_of_table(const Place& at, const Where& law, bool closes, bool monotone, double unit) {
   Table table;
   const std::size_t before = findings_.size();
   for (std::size_t i = 0; i < at.size(); ++i) {
@@ -199,22 +199,25 @@ Law JsonReader::rows_of_table(const Place& at, const Where& law, bool closes, do
     table.time.push_back(number(at[i][0]));
     table.value.push_back(unit * number(at[i][1]));
   }
-  if (findings_.size() == before) return Law::table(std::move(table.time), std::move(table.value), closes);
+  if (findings_.size() == before) return Law::table(std::move(table.time), std::move(table.value), closes, monotone);
   broken(law);
   return {};
 }
 
 Law JsonReader::table(const Place& at, const Object& object, double unit) {
-  bool closes = false;
-  if (const JsonNode* periodic = object.find("periodic")) read(closes, {}, {*periodic, object.where() / "periodic"});
-  if (at.node.is(Type::array)) return rows_of_table(at, object.where(), closes, unit);
+  bool closes = false, monotone = false;
+  for (const auto& [key, value] : {std::pair("periodic", &closes), std::pair("monotone", &monotone)}) {
+    if (const JsonNode* told = object.find(key)) read(*value, {}, {*told, object.where() / key});
+  }
+  if (at.node.is(Type::array)) return rows_of_table(at, object.where(), closes, monotone, unit);
   const std::string name = text(at, "drive.csv");
   if (name.empty()) {
     if (at.node.is(Type::string)) note(at.where, "the name of a CSV file is wanted here");
     broken(object.where());
     return {};
   }
-  const std::string key = name + (closes ? " periodic" : "") + (unit == 1 ? "" : " angle");
+  const std::string key =
+      name + (closes ? " periodic" : "") + (monotone ? " monotone" : "") + (unit == 1 ? "" : " angle");
   if (const auto found = laws_of_tables_.find(key); found != laws_of_tables_.end()) return found->second;
   if (!tables_.has(name)) {
     throw Error(Error::Kind::input, "the file " + in_quotes(name) +
@@ -229,7 +232,7 @@ Law JsonReader::table(const Place& at, const Object& object, double unit) {
   Table rows = read_table(file.text, excerpt(name));
   for (double& value : rows.value) value *= unit;
   try {
-    Law law = Law::table(std::move(rows.time), std::move(rows.value), closes);
+    Law law = Law::table(std::move(rows.time), std::move(rows.value), closes, monotone);
     files_.push_back(tables_.folder / name);
     return laws_of_tables_[key] = std::move(law);
   } catch (const Error& error) {

@@ -167,7 +167,7 @@ class JsonReader {
   Law law(const Place& at, double unit);
   Law harmonics(const Place& at, const Object& object, double unit);
   Law table(const Place& at, const Object& object, double unit);
-  Law rows_of_table(const Place& at, const Where& law, bool closes, double unit);
+  Law rows_of_table(const Place& at, const Where& law, bool closes, bool monotone, double unit);
 
   const JsonDocument& document_;
   TableFolders tables_;

@@ -288,7 +288,8 @@ class JsonWriter {
     for (std::size_t i = 0; i < s.time.size(); ++i) {
       table.append(i > 0 ? ", [" : "[").append(number(s.time[i])).append(", ").append(number(s.value[i])).append("]");
     }
-    return "{\"table\": " + table + (s.periodic ? "], \"periodic\": true}" : "]}");
+    return "{\"table\": " + table + "]" + (s.periodic ? ", \"periodic\": true" : "") +
+           (s.monotone ? ", \"monotone\": true}" : "}");
   }
   std::string part_of(const Law::Function&) {
     note(

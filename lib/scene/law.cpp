@@ -45,10 +45,12 @@ void check_table(std::span<const double> time, std::span<const double> value) {
 
 // Checks that slopes and bends are finite, in the order of their evaluation: times are neither too close nor too far
 // apart, and values are not too large.
-void check_spline(std::span<const double> time, std::span<const double> value, std::span<const double> second) {
+void check_spline(const Law::Spline& spline) {
+  const auto& [time, value, second, periodic, monotone] = spline;
   for (std::size_t i = 1; i < time.size(); ++i) {
     const double length = time[i] - time[i - 1], slope = (value[i] - value[i - 1]) / length;
-    const double bend = length * length * (4 * (std::abs(second[i - 1]) + std::abs(second[i])));
+    const auto [left, right] = spline.bends(i - 1);
+    const double bend = length * length * (4 * (std::abs(left) + std::abs(right)));
     if (std::isfinite(slope) && std::isfinite(bend)) continue;
     refuse("no spline in doubles goes through this table between " + at("time", i - 1) + " and " + at("time", i) +
            ": the times are too close to each other or too far apart, or the values too large");
@@ -147,6 +149,44 @@ std::vector<double> closed(std::span<const double> time, std::span<const double>
   return second;
 }
 
+// The slope at a knot between two intervals with these lengths and slopes: 0 where the table turns around, else their
+// harmonic mean (Fritsch and Butland 1984, with the weights of Brodlie).
+double monotone_slope(double h0, double h1, double s0, double s1) {
+  if (!(s0 * s1 > 0)) return 0;
+  const double w0 = 2 * h1 + h0, w1 = h1 + 2 * h0;
+  return (w0 + w1) / (w0 / s0 + w1 / s1);
+}
+
+// The slope of the parabola through three knots at the first one, within the bounds of monotone cubics.
+double slope_at_end(double h0, double h1, double s0, double s1) {
+  const double slope = s0 + h0 / (h0 + h1) * (s0 - s1);
+  if (!(slope * s0 > 0)) return 0;
+  return s0 * s1 <= 0 && std::abs(slope) > 3 * std::abs(s0) ? 3 * s0 : slope;
+}
+
+// Second derivatives at both ends of each interval of the monotone interpolation.
+std::vector<double> monotone_bends(std::span<const double> time, std::span<const double> value, bool periodic) {
+  const Intervals in(time, value);
+  const auto &h = in.length, &s = in.slope;
+  const std::size_t n = time.size(), last = n - 2;
+  std::vector<double> slope(n);
+  for (std::size_t i = 1; i + 1 < n; ++i) slope[i] = monotone_slope(h[i - 1], h[i], s[i - 1], s[i]);
+  if (periodic) {
+    slope[0] = slope[n - 1] = monotone_slope(h[last], h[0], s[last], s[0]);
+  } else if (n == 2) {
+    slope[0] = slope[1] = s[0];
+  } else {
+    slope[0] = slope_at_end(h[0], h[1], s[0], s[1]);
+    slope[n - 1] = slope_at_end(h[last], h[last - 1], s[last], s[last - 1]);
+  }
+  std::vector<double> second;
+  for (std::size_t i = 0; i + 1 < n; ++i) {
+    second.push_back((6 * s[i] - 4 * slope[i] - 2 * slope[i + 1]) / h[i]);
+    second.push_back((4 * slope[i + 1] + 2 * slope[i] - 6 * s[i]) / h[i]);
+  }
+  return second;
+}
+
 struct IsConstant {
   bool operator()(const Law::Polynomial& p) const {
     return std::all_of(p.coefficients.begin() + (p.coefficients.empty() ? 0 : 1), p.coefficients.end(),
@@ -184,6 +224,10 @@ Law Law::harmonics(std::vector<Harmonic> terms, double offset) {
 }
 
 Law Law::table(std::vector<double> time, std::vector<double> value, bool periodic) {
+  return table(std::move(time), std::move(value), periodic, false);
+}
+
+Law Law::table(std::vector<double> time, std::vector<double> value, bool periodic, bool monotone) {
   check_table(time, value);
   if (periodic) {
     double largest = 0;
@@ -194,9 +238,12 @@ Law Law::table(std::vector<double> time, std::vector<double> value, bool periodi
     }
     value.back() = value.front();  // removes the rounding of a computed table
   }
-  std::vector<double> second = periodic ? closed(time, value) : not_a_knot(time, value);
-  check_spline(time, value, second);
-  return Law({Spline{std::move(time), std::move(value), std::move(second), periodic}});
+  std::vector<double> second = monotone   ? monotone_bends(time, value, periodic)
+                               : periodic ? closed(time, value)
+                                          : not_a_knot(time, value);
+  Spline spline{std::move(time), std::move(value), std::move(second), periodic, monotone};
+  check_spline(spline);
+  return Law({std::move(spline)});
 }
 
 Law Law::function(std::function<Motion(double)> motion, double tolerance) {

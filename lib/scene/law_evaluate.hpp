@@ -100,6 +100,14 @@ T wrap(const Law::Spline& spline, const T& t) {
   }
 }
 
+// The interval k that contains t: time[k] <= t < time[k + 1]; the first and last one include times that rounding put
+// outside.
+template <class T>
+std::size_t interval(const Law::Spline& spline, const T& t) {
+  const auto inner = std::upper_bound(spline.time.begin() + 1, spline.time.end() - 1, t);
+  return static_cast<std::size_t>(inner - spline.time.begin()) - 1;
+}
+
 template <class T>
 Jet<T> evaluate(const Law::Spline& spline, const T& time) {
   if (!covers(spline, time)) {
@@ -107,13 +115,11 @@ Jet<T> evaluate(const Law::Spline& spline, const T& time) {
     return {nan, nan, nan};
   }
   const T t = spline.periodic ? wrap(spline, time) : time;
-  // Interval k: time[k] <= t < time[k + 1]; the first and last one include times that rounding put outside.
-  const auto inner = std::upper_bound(spline.time.begin() + 1, spline.time.end() - 1, t);
-  const auto k = static_cast<std::size_t>(inner - spline.time.begin()) - 1;
-
+  const std::size_t k = interval(spline, t);
   const T begin = spline.time[k], end = spline.time[k + 1];
   const T y0 = spline.value[k], y1 = spline.value[k + 1];
-  const T m0 = spline.second[k], m1 = spline.second[k + 1];
+  const auto [left, right] = spline.bends(k);
+  const T m0 = left, m1 = right;
   const T h = end - begin;
   const T a = (end - t) / h, b = (t - begin) / h;
   return {a * y0 + b * y1 - a * b * h * h / 6 * ((1 + a) * m0 + (1 + b) * m1),  // exact at both knots

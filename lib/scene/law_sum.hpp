@@ -33,7 +33,7 @@ namespace assur {
       for (Harmonic& term : terms) term.amplitude *= factor;
       parts.push_back(Law::harmonics(std::move(terms), factor * h->offset));
     } else if (const auto* s = std::get_if<Law::Spline>(&part)) {
-      parts.push_back(Law::table(s->time, scaled(s->value), s->periodic));
+      parts.push_back(Law::table(s->time, scaled(s->value), s->periodic, s->monotone));
     }
   }
   return sum_of(parts);

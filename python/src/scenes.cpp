@@ -57,12 +57,13 @@ A number or a sequence of coefficients c0, c1, ... stands for a law wherever one
           "offset + amplitude * sin(2 pi frequency t + phase); frequency in Hz, phase in rad.")
       .def_static(
           "table",
-          [](const Array& time, const Array& value, bool periodic) {
-            return Law::table(numbers(time), numbers(value), periodic);
+          [](const Array& time, const Array& value, bool periodic, bool monotone) {
+            return Law::table(numbers(time), numbers(value), periodic, monotone);
           },
-          py::arg("time"), py::arg("value"), py::arg("periodic") = false,
+          py::arg("time"), py::arg("value"), py::arg("periodic") = false, py::arg("monotone") = false,
           "A cubic spline through the points (time[i], value[i]), both arrays of (points,): s, ascending, and SI "
-          "units. Fast: no Python is called.")
+          "units. A monotone one does not overshoot between points, but its acceleration jumps there. Fast: no Python "
+          "is called.")
       .def_static(
           "function",
           [](const py::function& motion, double tolerance) {

@@ -69,6 +69,8 @@ def test_laws():
     turn = numpy.sin(2 * math.pi * t)
     turn[-1] = turn[0]
     assert abs(assur.Law.table(t, turn, periodic=True)(2.25)[0] - 1) < 1e-5
+    assert assur.Law.table([0, 1, 2, 3], [0, 0, 1, 1])(0.5)[0] < -0.01
+    assert assur.Law.table([0, 1, 2, 3], [0, 0, 1, 1], monotone=True)(0.5)[0] == 0
     assert (assur.Law(1) + assur.Law([0, 1]))(2) == (3, 1, 0)
     assert sum([assur.Law([0, 1]), 1, assur.Law(2)])(2) == (1 + assur.Law([2, 1]))(2) == (5, 1, 0)
     assert assur.Law(1) == 1.0 and assur.Law(1) != None and not assur.Law(1) == "one"  # noqa: E711

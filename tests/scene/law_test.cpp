@@ -91,6 +91,42 @@ TEST(Table, PassesThroughItsPointsExactly) {
   for (std::size_t i = 0; i < knots.size(); ++i) EXPECT_EQ(law(knots[i]).value, v[i]) << i;
 }
 
+// Between two points, a monotone table stays between their values; its slope is continuous, and its corners are flat.
+TEST(Table, MonotoneTablesDoNotOvershoot) {
+  for (const bool periodic : {false, true}) {
+    const std::vector<double> knots = {0, 0.1, 0.5, 0.6, 1.3, 1.4, 2};
+    const std::vector<double> v = {0, 0, 1, 1.01, 1.01, -2, 0};
+    const Law law = Law::table(knots, v, periodic, true);
+    EXPECT_NE(law, Law::table(knots, v, periodic));
+    bool spline_overshoots = false;
+    for (std::size_t i = 0; i + 1 < knots.size(); ++i) {
+      EXPECT_EQ(law(knots[i]).value, v[i]);
+      const double low = std::min(v[i], v[i + 1]), high = std::max(v[i], v[i + 1]);
+      for (int k = 0; k <= 50; ++k) {
+        const double t = knots[i] + (knots[i + 1] - knots[i]) * k / 50, x = law(t).value;
+        EXPECT_GE(x, low - 100 * kEps) << t;
+        EXPECT_LE(x, high + 100 * kEps) << t;
+        const double spline = Law::table(knots, v, periodic)(t).value;
+        spline_overshoots = spline_overshoots || spline < low - 0.01 || spline > high + 0.01;
+      }
+      if (i == 0) continue;
+      const Motion before = law(std::nextafter(knots[i], -1)), after = law(knots[i]);
+      EXPECT_NEAR(before.rate, after.rate, 1e-12);
+      // The harmonic mean of both slopes with the weights of Fritsch and Butland.
+      const double h0 = knots[i] - knots[i - 1], h1 = knots[i + 1] - knots[i];
+      const double s0 = (v[i] - v[i - 1]) / h0, s1 = (v[i + 1] - v[i]) / h1;
+      const double mean = 3 * (h0 + h1) / ((2 * h1 + h0) / s0 + (h1 + 2 * h0) / s1);
+      EXPECT_NEAR(after.rate, s0 * s1 > 0 ? mean : 0, 1e-12);
+    }
+    EXPECT_TRUE(spline_overshoots);
+  }
+  const Law line = Law::table({0, 2}, {1, 4}, false, true);
+  EXPECT_NEAR(line(0.5).value, 1.75, 4 * kEps);
+  EXPECT_EQ(line(0.5).rate, 1.5);
+  const Law periodic = Law::table({0, 1, 2, 3}, {0, 1, 2, 0}, true, true);
+  EXPECT_NEAR(periodic(0).rate, periodic(std::nextafter(3.0, 0)).rate, 1e-12);
+}
+
 // Both sides of each knot differ by rounding, and by the change of the law over one unit in the last place of t.
 void expect_smooth(const Law& law, const std::vector<double>& knots, double h, double size) {
   for (std::size_t i = 1; i + 1 < knots.size(); ++i) {

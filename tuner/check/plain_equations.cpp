@@ -38,7 +38,8 @@ struct LawAt {
     if (s.periodic) at -= std::floor((t - first) / (last - first)) * (last - first);
     std::size_t k = 0;
     while (k + 2 < s.time.size() && static_cast<Real>(s.time[k + 1]) <= at) ++k;
-    const Real begin = s.time[k], h = s.time[k + 1] - begin, y0 = s.value[k], m0 = s.second[k], m1 = s.second[k + 1];
+    const auto [left, right] = s.bends(k);
+    const Real begin = s.time[k], h = s.time[k + 1] - begin, y0 = s.value[k], m0 = left, m1 = right;
     const Real slope = (s.value[k + 1] - y0) / h - h * (2 * m0 + m1) / 6;
     const TimeJet<Real> u(at - begin, 1, 0);
     return TimeJet<Real>(y0) +
