@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "scene/scene_source.hpp"
+
 namespace assur {
 namespace {
 
@@ -87,6 +89,9 @@ Symbols::Symbols(const Scene& scene, const Known& known) {
     const bool has_pose = std::any_of(b.points.begin(), b.points.end(), is_of_pose) ||
                           std::any_of(b.vectors.begin(), b.vectors.end(), is_of_pose);
     if (!scene.joints().empty() || has_pose) owners_.insert(b.name);
+  }
+  for (const Body& b : SceneSource::written_bodies(scene)) {
+    if (!scene.joints().empty()) owners_.insert(b.name);  // also of bodies that became a part of the ground
   }
   symbols_.reserve(2 * (scene.points().size() + scene.vectors().size() + scene.constraints().size()));
   enter_all(NameKind::point, scene.points(), is_fixed, written);

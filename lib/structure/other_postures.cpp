@@ -449,7 +449,10 @@ void tell(const RedundantSet& set, bool is_impossible, Structure& out) {
   const std::string amount = general(set.worst.violation, 3) + (set.worst.is_length ? " m" : "");
   const std::string by = std::string(is_one ? "it is violated by " : "they are violated by up to ") + amount;
   std::string what;
-  if (set.kind == Redundancy::Kind::start) {
+  const bool is_told = is_impossible || set.kind == Redundancy::Kind::start || set.kind == Redundancy::Kind::motion;
+  if (is_told && !(set.worst.violation > 0)) {  // the search met no posture in which it could be violated
+    what = holds + " at the start posture, but no other posture was found in which all equations hold";
+  } else if (set.kind == Redundancy::Kind::start) {
     what = holds + " at the start posture, but not later: at t = " + general(set.worst.time, 6) + " s " + by;
   } else if (is_impossible) {
     what = holds + " at the start posture, but not at other values of the drivers: " + by;

@@ -196,5 +196,27 @@ TEST(JointDrivers, SetTheAngleOfAJointInThePlane) {
   }
 }
 
+// A fixed joint makes a body a part of the ground; its pose is that of the posture as written.
+TEST(Poses, OfABodyThatIsFixedToTheGround) {
+  for (const int dimension : {2, 3}) {
+    SceneBuilder b("grounded", dimension);
+    const bool space = dimension == 3;
+    b.add(Body{.name = "base", .points = {{"P", {1, 0, 0}}}}).add(Body{.name = "arm", .points = {{"Q", {2, 1, 0}}}});
+    b.joint("weld", Fixed{"ground", "base"});
+    b.joint("J", Revolute{"base", "arm", Triple{}, space ? Anchor{Triple{0, 0, 1}} : Anchor{}});
+    b.drive("motor", DrivenCoordinate{"J.angle", Law::polynomial({0, 1})})
+        .output("base")
+        .output("base.origin.velocity");
+    const test::Result r = test::run(b.output("Q").time(0, 1, 0.5).build());
+    ASSERT_TRUE(r.report().status.ok());
+    const auto last = [&](const std::string& column) { return r.trajectory.last(column); };
+    EXPECT_EQ(last("base.origin.x"), 0);
+    EXPECT_EQ(last("base.origin.vy"), 0);
+    EXPECT_EQ(space ? last("base.qw") : last("base.angle") + 1, 1);
+    EXPECT_EQ(space ? last("base.wz") : last("base.angle.rate"), 0);
+    EXPECT_NEAR(last("Q.x"), 2 * std::cos(1.0) - std::sin(1.0), 1e-14);
+  }
+}
+
 }  // namespace
 }  // namespace assur
