@@ -42,8 +42,11 @@ namespace assur {
     const auto knot = [&](double t) {
       return static_cast<std::size_t>(std::upper_bound(s.time.begin() + 1, s.time.end() - 1, t) - s.time.begin());
     };
-    for (std::size_t k = knot(begin) - 1; k <= knot(end); ++k) {
-      most = std::max(most, std::abs(s.second[k]));
+    const std::size_t behind = knot(end);
+    for (std::size_t k = knot(begin) - 1; k <= behind; ++k) {
+      if (k < behind) {
+        for (const double bend : s.bends(k)) most = std::max(most, std::abs(bend));
+      }
       lowest = any ? std::min(lowest, s.value[k]) : s.value[k];
       highest = any ? std::max(highest, s.value[k]) : s.value[k];
       longest = std::max(longest, k < last ? s.time[k + 1] - s.time[k] : 0.0);
