@@ -274,7 +274,8 @@ struct Constraint {
 
 // Drives the direction of AB. 2D: the angle from +x, counter-clockwise. 3D: the angle about a fixed axis, right-handed,
 // zero in the posture as written. The distance of A and B, and in 3D its part along the axis, stay as in the posture as
-// written; a Distance between them gives another distance, and costs no equation.
+// written; a Distance between them gives another distance, and costs no equation. A DrivenDistance between them moves B
+// along the arm. In 3D both drivers together add the unknown NAME.rho, the distance of B from the axis through A.
 struct PointAngle {
   std::string a, b;  // names of points
   std::string axis;  // 3D: name of a fixed vector; 2D: ""
