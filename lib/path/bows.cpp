@@ -12,8 +12,6 @@ namespace assur {
 namespace {
 
 // omega E: see the header.
-// Smaller bows, of rad and typical lengths of 1, are rounding: commands that follow a line are quintics.
-constexpr double kRounding = 1e-12;
 constexpr double kMostBow = (1 - kBall) * (1 - kBall);
 // Steps that are this far from the limit, as a factor of the bows, need no new probes at every anchor.
 constexpr double kFar = 64;
@@ -48,7 +46,7 @@ void Bows::resize(Layout& layout, std::size_t laws, std::size_t mechanisms) {
 bool Bows::take(std::span<const double> bows) {
   if (mechanisms_ == 0) return false;
   bool any = false;
-  std::transform(bows.begin(), bows.end(), bows_.begin(), [](double bow) { return bow > kRounding ? bow : 0; });
+  std::copy(bows.begin(), bows.end(), bows_.begin());
   for (std::size_t m = 0; m < mechanisms_; ++m) {
     double times = 0;
     for (std::size_t i = m * laws_; i < (m + 1) * laws_; ++i) {
@@ -87,29 +85,18 @@ bool Bows::conditions_have_grown() const {
   return false;
 }
 
-// Laws that stay on their chords in this step keep the bows that they had last: drivers that a program moves in turn
-// need no new probes. exact: without these, if the probes forbid the step; false: there is nothing to do.
-bool Bows::begin(bool exact) {
-  std::vector<double>& weights = measured_.weights;
-  if (measured_.at < 0) std::fill(weights.begin(), weights.end(), 0.0);
-  if (exact) {
-    bool other = false, forbids = false;
-    for (std::size_t i = 0; i < weights.size(); ++i) other = other || weights[i] != bows_[i];
-    for (std::size_t m = 0; m < mechanisms_; ++m) forbids = forbids || part(m) > 1;
-    if (!other || !forbids) return false;
-  }
-  for (std::size_t i = 0; i < weights.size(); ++i) {
-    if (exact || bows_[i] > 0) weights[i] = bows_[i];
-  }
+void Bows::begin() {
+  std::copy(bows_.begin(), bows_.end(), measured_.weights.begin());
   for (double& times : times_) times = times > 0 ? 1 : 0;
   std::size_t most = 1;
-  for (auto from = weights.begin(); from != weights.end(); from += static_cast<std::ptrdiff_t>(laws_)) {
-    const auto bend = std::count_if(from, from + static_cast<std::ptrdiff_t>(laws_), [](double w) { return w > 0; });
+  for (std::size_t m = 0; m < mechanisms_; ++m) {
+    const auto bend =
+        std::count_if(bows_.begin() + static_cast<std::ptrdiff_t>(m * laws_),
+                      bows_.begin() + static_cast<std::ptrdiff_t>((m + 1) * laws_), [](double bow) { return bow > 0; });
     most = std::max(most, static_cast<std::size_t>(bend));
   }
   probes_ = std::span(all_probes_).first(std::min(most, all_probes_.size()));
   for (double* const probe : probes_) std::fill_n(probe, layout_->size, 0.0);
-  return true;
 }
 
 // The bows of the laws that a probe carries.
@@ -117,7 +104,7 @@ std::span<const double> Bows::share(std::size_t mechanism, std::size_t probe) {
   RandomSign sign(probe);
   std::size_t number = 0;
   for (std::size_t i = 0; i < laws_; ++i) {
-    const double bow = measured_.weights[mechanism * laws_ + i];
+    const double bow = bows_[mechanism * laws_ + i];
     rates_[i] = 0;
     if (bow > 0 && number++ % probes_.size() == probe) rates_[i] = sign() * bow;
   }

@@ -41,16 +41,14 @@ class Bows {
   // pack, level after level.
   template <class Known, class Each>
   void measure(const double* state, std::int64_t branch_checks, const Known& known, const Each& each) {
-    for (const bool exact : {false, true}) {
-      if (!begin(exact)) return;
-      for (std::size_t m = 0; m < mechanisms_; ++m) {
-        for (std::size_t p = 0; p < probes_.size(); ++p) known(m, probes_[p], share(m, p));
-      }
-      each([&](std::size_t p, GroupSolver& solver) {
-        regular_[p] = solver.follow(layout_->packs[p], state, probes_) ? 1 : 0;
-      });
-      finish(branch_checks);
+    begin();
+    for (std::size_t m = 0; m < mechanisms_; ++m) {
+      for (std::size_t p = 0; p < probes_.size(); ++p) known(m, probes_[p], share(m, p));
     }
+    each([&](std::size_t p, GroupSolver& solver) {
+      regular_[p] = solver.follow(layout_->packs[p], state, probes_) ? 1 : 0;
+    });
+    finish(branch_checks);
   }
 
   // Length of the step over the largest allowed one, by the balls of the branch; its square if that is less than 1.
@@ -76,7 +74,7 @@ class Bows {
  private:
   static constexpr std::size_t kProbes = 5;
 
-  [[nodiscard]] bool begin(bool exact);
+  void begin();
   [[nodiscard]] std::span<const double> share(std::size_t mechanism, std::size_t probe);
   void finish(std::int64_t branch_checks);
   [[nodiscard]] bool conditions_have_grown() const;
