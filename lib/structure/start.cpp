@@ -359,7 +359,7 @@ class DrivenStart {
     }
     // The drivers can only be moved from a posture that determines all unknowns.
     const bool is_redundant = !is_regular(parts);
-    if (is_redundant && !choose(q, parts)) return searched_at(at_laws, true);
+    if (!undefined_driver(s_, q).empty() || (is_redundant && !choose(q, parts))) return searched_at(at_laws, true);
     const std::string refusal = move(way, parts, is_redundant, q);
     if (!refusal.empty()) return refused(at_laws, refusal);
     p_.q = with_unknowns_of(q);  // parts left behind stay where they are
@@ -665,6 +665,7 @@ class DrivenStart {
   Attempt refused(const std::vector<double>& at_laws, std::string why) {
     if (count_turns(s_)) why += "; the way decides which teeth of the gears mesh";
     std::optional<Attempt> other = search(at_laws);
+    if (other && !undefined_driver(s_, other->problem.q).empty()) other.reset();
     Attempt a = other ? std::move(*other) : attempt(p_, out_, at_laws);
     a.out.undetermined.clear();
     const std::string unassembled = std::exchange(a.out.cannot_assemble, why);
@@ -673,14 +674,15 @@ class DrivenStart {
           "; no posture with the values of the laws was found" + (unassembled.empty() ? "" : ": " + unassembled);
       return a;
     }
-    a.out.cannot_assemble += "; to start in another posture that has the laws' values, write its points";
+    a.out.cannot_assemble += "; another posture has the values of the laws";
     std::size_t named = 0;
     for (const Point& point : s_.scene->points()) {
       const Item& item = s_.item(point.name);
       if (!is_unknown(item) || named == kMostPointsNamed) continue;
       Triple there = at(item, a.problem.q);
       for (double& x : there) x *= s_.unit(1);
-      a.out.cannot_assemble += (named++ == 0 ? ": " : ", ") + point.name + " at " + in_words(there);
+      a.out.cannot_assemble +=
+          (named++ == 0 ? "; to start there, write " : ", ") + point.name + " at " + in_words(there);
     }
     return a;
   }

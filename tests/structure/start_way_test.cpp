@@ -101,7 +101,7 @@ TEST(StartWay, AFoldIsRefusedWithItsPlaceAndAnotherPosture) {
   EXPECT_NEAR(std::stod(why.substr(why.find(": at ") + 5)), share, 0.1) << why;
   EXPECT_NEAR(std::stod(why.substr(why.find("m = ") + 4)), fold, 1e-5) << why;
   EXPECT_TRUE(has(why, "group C ")) << why;
-  EXPECT_TRUE(has(why, "to start in another posture that has the laws' values, write its points: C at (")) << why;
+  EXPECT_TRUE(has(why, "another posture has the values of the laws; to start there, write C at (")) << why;
 }
 
 // The way passes the flat posture, where the rods could also cross.
