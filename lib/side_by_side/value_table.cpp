@@ -284,15 +284,13 @@ Prepared ValueTable::prepare(const Scene& scene) const {
 
 // Tries members, then the scene as written, then the other members.
 void ValueTable::prepare_first() {
-  std::optional<Error> first_error;
-  bool is_refused = false;
+  std::optional<Error> error;  // the last one
   const auto attempt = [&](const auto& make) {
     try {
       first_ = make();
     } catch (const Error& e) {
       if (e.kind() == Error::Kind::environment) throw;
-      if (!first_error) first_error = e;
-      is_refused = e.kind() == Error::Kind::input;
+      error.emplace(e);
     }
     return first_.has_value();
   };
@@ -304,12 +302,12 @@ void ValueTable::prepare_first() {
     first_member_ = 0;
     return;
   }
-  const bool is_wrong = is_refused;
+  const std::optional<Error> as_written = error;
   for (; first_member_ < count(); ++first_member_) {
     if (attempt([&] { return prepare(first_member_); })) return;
   }
   first_member_ = 0;
-  if (is_wrong) throw Error(*first_error);
+  if (as_written->kind() == Error::Kind::input) throw Error(*as_written);
 }
 
 std::vector<std::string> ValueTable::columns() const {
