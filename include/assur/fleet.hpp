@@ -74,8 +74,8 @@ struct Linkage {
 
 // The same linkage as a scene, with points named J0, J1, ... in their posture at time.start, whose positions
 // are its outputs. In the library assur::assur. Throws Error: input as Fleet and for a grid without a step,
-// numerical if a dyad or triad cannot be closed there. A Simulator may go on where a Fleet ends, through points where two
-// motions cross. A point very close to the line of its parents makes the scene singular.
+// numerical if a dyad or triad cannot be closed there. A Simulator may go on where a Fleet ends, through points where
+// two motions cross. A point very close to the line of its parents makes the scene singular.
 [[nodiscard]] Scene scene_of(const Linkage& linkage, const TimeGrid& time, std::string name = "linkage");
 
 // The motion of one linkage of a fleet.
@@ -86,8 +86,8 @@ struct LinkageMotion {
   // parallelogram, which a Simulator passes); singular or not_assembled (a dyad or triad is stretched or cannot be
   // closed at the first time); not_finite (a coordinate of the path or its error overflows).
   Status status;
-  double reached = 0;       // last time at which all dyads and triads are known to be closed, s; NaN if none is
-  double not_beyond = 0;    // if the motion ended: a time after `reached` at which it cannot be continued, s; else NaN
+  double reached = 0;     // last time at which all dyads and triads are known to be closed, s; NaN if none is
+  double not_beyond = 0;  // if the motion ended: a time after `reached` at which it cannot be continued, s; else NaN
   // The dyad, or the first joint of the triad, that cannot be closed; -1: there is none, or it is unknown.
   std::int32_t joint = -1;
   double residual = 0;  // largest relative residual | |p - a|^2 - l^2 | / l^2 of all dyads and triads

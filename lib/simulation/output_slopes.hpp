@@ -38,7 +38,7 @@ class OutputSlopes {
   LaneArray resting_;                  // zeros
   std::vector<std::uint8_t> regular_;  // packs
   std::vector<double> slopes_;         // columns
-  struct Decomposition;  // keeps Eigen out of this header
+  struct Decomposition;                // keeps Eigen out of this header
   std::unique_ptr<Decomposition> decomposition_;  // null without outputs or drivers
   OutputJacobian out_;
 };
