@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include "assur/plan.hpp"
 #include "assur/scene.hpp"
 #include "scene/json_document.hpp"
 #include "scene/shipped_files.hpp"
@@ -193,7 +194,7 @@ TEST_F(SchemaOfScenes, RefusesWhatTheReaderRefuses) {
     SCOPED_TRACE(from + " -> " + to);
     const std::string scene = scene_with(from, to);
     ASSERT_FALSE(scene.empty());
-    EXPECT_THROW((void)parse_scene(scene), Error);
+    EXPECT_THROW((void)prepare(parse_scene(scene)), Error);
     EXPECT_NE(fault(scene), "");
   }
 }
