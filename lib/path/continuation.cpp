@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kUnseen = 2;     // parts of a step in which a measured angle may have turned unseen
 constexpr double kPassed = 64;    // ratio to the first shortest step from which on a step has passed the failure
-constexpr int kMostPatience = 8;  // steps that must arrive before the next ones are longer
+constexpr int kMostPatience = 1;  // steps that must arrive before the next ones are longer
 constexpr int kExpandAfter = 4;   // rejected attempts in a row; then all rates are computed and used for predictions
 
 bool worth_halving(Code code) {

@@ -98,7 +98,7 @@ Status Continuation::at_the_limit(const Status& failed, double target, double t,
     any_turn_ = false;
     return {};
   }
-  if (found.code == Code::change_point_passed && !arrive_on_change_point(t, target - now_) && !pass(target, t, first)) {
+  if (found.code == Code::change_point_passed && !pass(target, t, first) && !arrive_on_change_point(t, target - now_)) {
     found.code = Code::branch_unknown;
   }
   if (found.code == Code::branch_unknown && deadline_passed()) return late();

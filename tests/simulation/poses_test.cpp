@@ -201,7 +201,8 @@ TEST(Poses, OfABodyThatIsFixedToTheGround) {
   for (const int dimension : {2, 3}) {
     SceneBuilder b("grounded", dimension);
     const bool space = dimension == 3;
-    b.add(Body{.name = "base", .points = {{"P", {1, 0, 0}}}}).add(Body{.name = "arm", .points = {{"Q", {2, 1, 0}}}});
+    b.add(Body{.name = "base", .points = {{"P", {1, 0, 0}, true}}});
+    b.add(Body{.name = "arm", .points = {{"Q", {2, 1, 0}, true}}});
     b.joint("weld", Fixed{"ground", "base"});
     b.joint("J", Revolute{"base", "arm", Triple{}, space ? Anchor{Triple{0, 0, 1}} : Anchor{}});
     b.drive("motor", DrivenCoordinate{"J.angle", Law::polynomial({0, 1})})
