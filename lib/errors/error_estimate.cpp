@@ -109,11 +109,6 @@ void ErrorEstimate::restart(std::span<const System* const> systems, std::span<co
   systems_.assign(systems.begin(), systems.end());
   evaluated_ = evaluated;
   inputs_ = inputs;
-  std::size_t laws = 0;
-  for (std::size_t i = 0; i < systems.size() && i < 1; ++i) {
-    for (const DriverInput& in : systems[i]->inputs) laws += in.laws.size();
-  }
-  ahead_.reserve(laws);  // steps allocate nothing
   static_known_ = static_.coordinates().empty();
   for (std::size_t i = 0; i < used_; ++i) {
     Mechanism& m = mechanisms_[i];
@@ -127,8 +122,8 @@ void ErrorEstimate::restart(std::span<const System* const> systems, std::span<co
     m.smallest.assign(outputs_[i].measures(), kInfinity);
     m.least.assign(m.smallest.size(), 0.0);
     m.most.assign(m.smallest.size(), kInfinity);
-    m.laws.reserve(laws);
-    m.before = m.step = m.serves = 0;
+    m.before = kNan;
+    m.step = m.serves = 0;
   }
   residual_ = kUsual;
   steps_ = branch_checks_ = measurements_ = 0;
@@ -238,8 +233,8 @@ void ErrorEstimate::begin(std::span<const double> times, const double* const (&s
 // measurement covers, and serves, a time in which it at most doubles.
 void ErrorEstimate::find_rounding_of_laws(std::size_t mechanism, double t) {
   Mechanism& m = mechanisms_[mechanism];
-  const double step = m.step;
-  m.measured = m.before = t;
+  const double step = std::isfinite(m.step) ? m.step : 0;
+  m.measured = t;
   if (mechanism > 0) {
     const Mechanism& first = mechanisms_.front();
     if (t == first.measured && m.step == first.step && m.scale == first.scale && has_laws_of_first(mechanism)) {
