@@ -4,8 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "errors/angle_output.hpp"
-#include "errors/law_rounding.hpp"
 #include "group/step_rules.hpp"
 #include "index.hpp"
 #include "numbers.hpp"
@@ -28,7 +26,6 @@ constexpr double kConfirmedSafety = 2;    // safety of the confirmed part of the
 constexpr double kLeastConfirmed = 0.25;  // the same: its least value
 constexpr double kFaster = 4;     // growth of a rate or an acceleration of a driver that asks for a new measurement
 constexpr double kAtRest = 1e-4;  // a driver rests below this share of the rate that it reaches within a radian
-constexpr double kLeastGrown = 4 * kEps;  // growth of the rounding of a law up to this one does not matter
 constexpr double kSlowerThan = 1.0 / 16;  // part of the fastest rate: differences among slower drivers do not matter
 
 }  // namespace
@@ -56,7 +53,6 @@ ErrorEstimate::ErrorEstimate(const Structure& structure, Layout& layout, std::sp
       wanted_[idx(d)] = true;
     }
     dimension_.push_back(o.parts().front().dimension);
-    is_angle_.push_back(is_angle(o) ? 1 : 0);
   }
   probes_.push_back({Probe::Cause::left, {}});
   probes_.insert(probes_.end(), kRandom, {Probe::Cause::rounding, {}});
@@ -103,12 +99,9 @@ void ErrorEstimate::find_reads() {
   growth_.resize(layout_.packs.size());
 }
 
-void ErrorEstimate::restart(std::span<const System* const> systems, std::span<const Index> evaluated,
-                            const Inputs* inputs) {
+void ErrorEstimate::restart(std::span<const System* const> systems) {
   used_ = systems.size();
   systems_.assign(systems.begin(), systems.end());
-  evaluated_ = evaluated;
-  inputs_ = inputs;
   static_known_ = static_.coordinates().empty();
   for (std::size_t i = 0; i < used_; ++i) {
     Mechanism& m = mechanisms_[i];
@@ -122,8 +115,6 @@ void ErrorEstimate::restart(std::span<const System* const> systems, std::span<co
     m.smallest.assign(outputs_[i].measures(), kInfinity);
     m.least.assign(m.smallest.size(), 0.0);
     m.most.assign(m.smallest.size(), kInfinity);
-    m.before = kNan;
-    m.step = m.serves = 0;
   }
   residual_ = kUsual;
   steps_ = branch_checks_ = measurements_ = 0;
@@ -133,8 +124,8 @@ void ErrorEstimate::restart(std::span<const System* const> systems, std::span<co
   loose_ = false;
 }
 
-bool ErrorEstimate::due(std::int64_t branch_checks, std::span<const double> times, const double* const (&state)[3],
-                        double residual, std::span<const double* const> divisors) {
+bool ErrorEstimate::due(std::int64_t branch_checks, const double* const (&state)[3], double residual,
+                        std::span<const double* const> divisors) {
   ++steps_;
   const bool grown = residual > kGrownTwice * residual_;
   if (grown) residual_ = residual;
@@ -143,11 +134,7 @@ bool ErrorEstimate::due(std::int64_t branch_checks, std::span<const double> time
   // The residual of this step may be in any equation.
   const double error = residual > kSolvedToRounding ? gain_ * residual : 0;
   bool serve = true;
-  for (std::size_t i = 0; i < used_; ++i) {
-    Mechanism& m = mechanisms_[i];
-    if (times[i] != m.before) m.step = times[i] - std::exchange(m.before, times[i]);
-    serve = serve && std::abs(times[i] - m.measured) <= m.serves && serves(m, divisors[i]);
-  }
+  for (std::size_t i = 0; i < used_; ++i) serve = serve && serves(mechanisms_[i], divisors[i]);
   if (grown || first || !serve || error > asked_ || is_faster(state) ||
       steps_ >= (in_doubt() ? kIntervalUnseen : interval_) || conditions_have_grown(branch_checks, error)) {
     return true;
@@ -220,87 +207,24 @@ void ErrorEstimate::begin(std::span<const double> times, const double* const (&s
       m.fast[k] = std::max({m.fast[k], kFaster * now, kFaster * kSlowerThan * scale[d]});
     }
   }
-  for (std::size_t i = 0; i < used_; ++i) find_rounding_of_laws(i, times[i]);
+  if (!static_known_) perturb_static(state[0]);
   // If equations are solved as exactly as possible and errors are still too large, they will not be loosened.
   knows_gain_ = probes_.size() > 1 + kRandom && (loose_ || !in_doubt());
   for (const Probe& probe : probes()) {
-    if (probe.cause == Probe::Cause::rounding) perturb_known(state, probe);
+    if (probe.cause == Probe::Cause::rounding) perturb_known(times, state, probe);
   }
-  if (!static_known_) perturb_static(state[0]);
-}
-
-// The rounding of laws may grow with the time, and does so unseen where the values of the drivers are angles: the
-// measurement covers, and serves, a time in which it at most doubles.
-void ErrorEstimate::find_rounding_of_laws(std::size_t mechanism, double t) {
-  Mechanism& m = mechanisms_[mechanism];
-  const double step = std::isfinite(m.step) ? m.step : 0;
-  m.measured = t;
-  if (mechanism > 0) {
-    const Mechanism& first = mechanisms_.front();
-    if (t == first.measured && m.step == first.step && m.scale == first.scale && has_laws_of_first(mechanism)) {
-      m.laws = first.laws;
-      m.serves = first.serves;
-      return;
-    }
-  }
-  const System& s = *systems_[mechanism];
-  const auto at = [&](double time, bool now, std::vector<Jet<double>>& out) {
-    out.clear();
-    std::size_t next = 0;
-    for (std::size_t i = 0; i < s.inputs.size(); ++i) {
-      const DriverInput& in = s.inputs[i];
-      out.resize(out.size() + in.laws.size());
-      if (next == evaluated_.size() || idx(evaluated_[next]) != i) continue;
-      ++next;
-      for (std::size_t k = 0; k < in.laws.size(); ++k) {
-        const double unit = kEps / 2 / (is_angle(s, in, static_cast<int>(k)) ? 1 : s.unit(in.dimension));
-        Jet<double>& bound = out[out.size() - in.laws.size() + k];
-        const Motion* const command = inputs_ != nullptr ? inputs_->command(i, k) : nullptr;
-        if (command == nullptr) bound = rounding(in.laws[k], time, now) * unit;
-        if (command != nullptr && in.zero != 0) bound.value = std::abs(command->value) * unit;
-      }
-    }
-  };
-  at(t, true, m.laws);
-  const std::array<double, 3> least = {kLeastGrown, kLeastGrown * m.scale[1], kLeastGrown * m.scale[2]};
-  m.serves = 0;
-  for (std::int64_t steps = 1; steps <= kStepsBetween && step != 0; steps *= 2) {
-    at(t + static_cast<double>(steps) * step, false, ahead_);
-    for (std::size_t k = 0; k < ahead_.size(); ++k) {
-      const Jet<double>& now = m.laws[k];
-      Jet<double>& later = ahead_[k];
-      if (later.value > kGrownTwice * std::max(now.value, least[0])) return;
-      if (later.rate > kGrownTwice * std::max(now.rate, least[1])) return;
-      if (later.acceleration > kGrownTwice * std::max(now.acceleration, least[2])) return;
-      later = {std::max(now.value, later.value), std::max(now.rate, later.rate),
-               std::max(now.acceleration, later.acceleration)};
-    }
-    std::swap(m.laws, ahead_);
-    m.serves = std::abs(step) * static_cast<double>(steps);
-  }
-}
-
-bool ErrorEstimate::has_laws_of_first(std::size_t mechanism) const {
-  const System &a = *systems_.front(), &b = *systems_[mechanism];
-  return &a == &b ||
-         (a.length_exponent == b.length_exponent && std::all_of(evaluated_.begin(), evaluated_.end(), [&](Index i) {
-            return a.inputs[idx(i)].laws == b.inputs[idx(i)].laws;
-          }));
 }
 
 // Static coordinates keep the residual of the start, whatever the residual of later steps is.
 void ErrorEstimate::perturb_static(const double* state) {
   const std::span<const std::int32_t> stands = static_.coordinates();
-  const std::size_t n = systems_.empty() ? 0 : systems_[0]->coordinates.size();
-  std::vector<double> q(n), known(n * kRandom);
+  std::vector<double> q(systems_.empty() ? 0 : systems_[0]->coordinates.size());
   for (std::size_t i = 0; i < used_; ++i) {
-    for (std::size_t c = 0; c < n; ++c) {
+    for (std::size_t c = 0; c < q.size(); ++c) {
       const std::int32_t a = layout_.address[c];
       q[c] = a >= 0 ? state[idx(a) + i] : 0;
-      const bool is_known = a >= 0 && systems_[i]->coordinates[c].role == Role::driven;
-      for (std::size_t k = 0; k < kRandom; ++k) known[k * n + c] = is_known ? probes_[k + 1].errors[0][idx(a) + i] : 0;
     }
-    const std::vector<double> errors = static_.draw(*systems_[i], q, known, kRandom, 0);
+    const std::vector<double> errors = static_.draw(*systems_[i], q, kRandom, 0);
     for (std::size_t k = 0; k <= kRandom; ++k) {
       for (std::size_t s = 0; s < stands.size(); ++s) {
         probes_[k].errors[0][idx(layout_.address[idx(stands[s])]) + i] = errors[k * stands.size() + s];
@@ -310,103 +234,19 @@ void ErrorEstimate::perturb_static(const double* state) {
   static_known_ = true;
 }
 
-namespace {
-
-// The axes of the angles psi, theta and phi of a frame with this first axis.
-std::array<std::array<Jet<double>, 3>, 3> euler_axes(const std::array<Jet<double>, 3>& first) {
-  const Jet<double> across[2] = {-first[1], first[0]};
-  const Jet<double> size = length<double>(across);
-  const bool is_upright = !(size.value > 0);
-  const Jet<double> one{1, 0, 0}, nothing{};
-  return {{{nothing, nothing, one},
-           {is_upright ? nothing : across[0] / size, is_upright ? one : across[1] / size, nothing},
-           first}};
-}
-
-}  // namespace
-
-// Rounding of laws, of the directions and frames of their angles, and of the coordinates that follow from them.
-void ErrorEstimate::perturb_known(const double* const (&state)[3], const Probe& probe) {
+// Laws are exact except for the rounding of their arguments, which grows with the time.
+void ErrorEstimate::perturb_known(std::span<const double> times, const double* const (&state)[3], const Probe& probe) {
   RandomSign sign(++seed_);
-  using Errors = Jet<double>;  // of a value and its derivatives, or of an angle as a function of time
+  const auto& [q, rate, acceleration] = probe.errors;
   for (std::size_t i = 0; i < used_; ++i) {
-    const System& s = *systems_[i];
-    const Jet<double>* bound = mechanisms_[i].laws.data();
-    const auto address = [&](Index c) { return idx(layout_.address[idx(c)]) + i; };
-    const auto at = [&](Index c) -> Jet<double> {
-      const std::size_t a = address(c);
-      return {state[0][a], state[1][a], state[2][a]};
-    };
-    const auto put = [&](Index c, const Errors& e) {
-      const std::size_t a = address(c);
-      probe.errors[0][a] = e.value;
-      probe.errors[1][a] = e.rate;
-      probe.errors[2][a] = e.acceleration;
-    };
-    const auto draw = [&](const Jet<double>& size) {
-      return Errors{sign() * size.value, sign() * size.rate, sign() * size.acceleration};
-    };
-    // Rounding of sines and cosines: of the whole vector, because its components may cancel.
-    const auto of_vector = [&](std::span<const Jet<double>> v) {
-      Jet<double> square;
-      for (const Jet<double>& x : v) {
-        square += Jet<double>{x.value * x.value, x.rate * x.rate, x.acceleration * x.acceleration};
-      }
-      return 2 * kEps * Jet<double>{std::sqrt(square.value), std::sqrt(square.rate), std::sqrt(square.acceleration)};
-    };
-    const auto turn = [&](Index c, const Errors& angle) {
-      const Jet<double> v[2] = {at(c), at(c + 1)}, size = of_vector(v);
-      put(c, draw(size) - angle * v[1]);
-      put(c + 1, draw(size) + angle * v[0]);
-    };
-    const auto turn_frame = [&](Index c, const Errors(&angles)[3]) {
-      std::array<std::array<Jet<double>, 3>, 3> axes;  // columns of the frame
-      for (Index k = 0; k < 9; ++k) axes[idx(k / 3)][idx(k % 3)] = at(c + k);
-      std::array<Errors, 3> turned;
-      const auto of = euler_axes(axes[0]);
-      for (std::size_t k = 0; k < 3; ++k)
-        turned[k] = angles[0] * of[0][k] + angles[1] * of[1][k] + angles[2] * of[2][k];
-      for (std::size_t j = 0; j < 3; ++j) {
-        const auto& axis = axes[j];
-        const Jet<double> size = of_vector(axis);
-        for (std::size_t k = 0; k < 3; ++k) {
-          const std::size_t x = (k + 1) % 3, y = (k + 2) % 3;
-          put(c + 3 * static_cast<Index>(j) + static_cast<Index>(k),
-              draw(size) + turned[x] * axis[y] - turned[y] * axis[x]);
-        }
-      }
-    };
-    std::size_t next = 0;
-    for (std::size_t n = 0; n < s.inputs.size(); bound += s.inputs[n++].laws.size()) {
-      if (next == evaluated_.size() || idx(evaluated_[next]) != n) continue;
-      ++next;
-      const DriverInput& in = s.inputs[n];
-      const Index straight = in.kind == DriverInput::Kind::direction ? 0
-                             : in.kind == DriverInput::Kind::scalar  ? 1
-                                                                     : static_cast<Index>(s.dimension);
-      for (Index k = 0; k < straight; ++k) put(in.first + k, draw(bound[k]));
-      if (in.count == straight) continue;
-      if (in.count - straight == 2) {
-        turn(in.first + straight, draw(bound[straight]));
-      } else {
-        turn_frame(in.first + straight, {draw(bound[straight]), draw(bound[straight + 1]), draw(bound[straight + 2])});
-      }
-    }
-    for (const Assignment& a : s.assignments) {
-      const std::span<const Term> terms = s.form(a.form);
-      if (layout_.address[idx(a.coordinate)] != a.coordinate * static_cast<Index>(outputs_.size())) continue;  // a copy
-      Errors sum;
-      Jet<double> size;
-      for (const Term& t : terms) {
-        const double factor = s.constants[idx(t.constant)];
-        const std::size_t from = address(t.coordinate);
-        sum += factor * Errors{probe.errors[0][from], probe.errors[1][from], probe.errors[2][from]};
-        const Jet<double> term = at(t.coordinate);
-        if (terms.size() == 1 && std::abs(factor) == 1) continue;
-        size += kEps * std::abs(factor) *
-                Jet<double>{std::abs(term.value), std::abs(term.rate), std::abs(term.acceleration)};
-      }
-      put(a.coordinate, sum + draw(size));
+    const auto& scale = mechanisms_[i].scale;
+    const double at = std::abs(times[i]), fastest = std::max(scale[1], std::sqrt(scale[2]));
+    for (const std::int32_t address : driven_) {
+      const std::size_t a = idx(address) + i;
+      const double v = std::abs(state[1][a]), w = std::abs(state[2][a]);
+      q[a] = sign() * 2 * kEps * (std::abs(state[0][a]) + v * at);
+      rate[a] = sign() * 2 * kEps * (v + w * at);
+      acceleration[a] = sign() * 2 * kEps * (w + w * fastest * at);
     }
   }
 }
@@ -557,9 +397,7 @@ ErrorEstimate::Figures ErrorEstimate::relative(const Mechanism& m, const std::ve
   for (std::size_t i = 0; i < sizes.size(); ++i) {
     if (!(sizes[i].*what > 0)) continue;
     const std::size_t d = i % 3;
-    double size = std::max(sizes[i].value, least[d] * m.unit[i / 3]);
-    if (d == 2 && is_angle_[i / 3] != 0) size = std::max(size, sizes[i - 1].value * sizes[i - 1].value);
-    worst[d] = std::max(worst[d], sizes[i].*what / size);
+    worst[d] = std::max(worst[d], sizes[i].*what / std::max(sizes[i].value, least[d] * m.unit[i / 3]));
   }
   return {worst[0], worst[1], worst[2]};
 }
