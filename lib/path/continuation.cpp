@@ -17,7 +17,6 @@ namespace {
 
 constexpr double kUnseen = 2;     // parts of a step in which a measured angle may have turned unseen
 constexpr double kPassed = 64;    // ratio to the first shortest step from which on a step has passed the failure
-constexpr int kMostPatience = 1;  // steps that must arrive before the next ones are longer
 constexpr int kExpandAfter = 4;   // rejected attempts in a row; then all rates are computed and used for predictions
 
 bool worth_halving(Code code) {
@@ -467,7 +466,6 @@ Status Continuation::step_to(double t, bool may_reselect, Stride& stride) {
   if (t == now_) return {};
   if (const Status s = check_aim(t); !s.ok()) return s;
   at_begin_ = {converged_, watched_level_, turn_guessed_};
-  const int patience = stride.patience;
   Status status;
   try {
     inputs_.begin_step(now_, t);
@@ -481,7 +479,6 @@ Status Continuation::step_to(double t, bool may_reselect, Stride& stride) {
     end_step(false);
     throw;
   }
-  stride.patience = patience;
   end_step(status.ok());
   return status;
 }
@@ -495,10 +492,6 @@ Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
   largest_correction_ = kSureOfBranch;
   if (on_change_point()) expand();
   int in_a_row = 0;  // attempts that were rejected; from kExpandAfter on the count is kept
-  // Where steps cannot become longer for a while, more of them arrive before the next attempt to lengthen them, so that
-  // not every second attempt is rejected.
-  const int patience = stride.patience;
-  bool longer = false;  // the next attempt is longer than the one that arrived
   for (bool is_first = true; now_ != t; is_first = false) {
     if (!is_first && limits_.stop && limits_.stop()) return {Code::interrupted, {}, now_};
     const double h = std::copysign(std::min(stride.length, std::abs(span)), span);
@@ -507,12 +500,9 @@ Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
     any_turn_ = std::abs(h) <= shortest_ * 1.5;
     const Status s = try_step(target, Attempt::Branch::inside);
     if (s.ok()) {
-      if (std::exchange(longer, false)) stride.patience = patience;
       if (in_a_row < kExpandAfter) in_a_row = 0;
       if (now_ == t) break;  // a last stride that was shortened is no evidence for full strides
-      const double length = stride.length;
       stride.arrive();
-      longer = stride.length > length;
       if (stride.length > kPassed * first) {  // the failure was passed
         shortest_ = first;
         approach_.clear();
@@ -532,7 +522,6 @@ Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
     }
     ++report_.counters.rejected;
     ++in_a_row;
-    if (std::exchange(longer, false)) stride.patience = std::min(2 * stride.patience, kMostPatience);
     if (rejected_ >= kMostRejected) {
       record({now_, target, structure_.name_of(s.where), Code::branch_unknown, s.figure}, std::abs(t - target));
       return {Code::branch_unknown, s.where, s.figure};

@@ -84,21 +84,17 @@ TEST(Folds, DoNotDependOnTheTimeGrid) {
   EXPECT_GT(goes_on, all / 10);
 }
 
-// Folds close to a cusp, and along a stretch that is nearly singular: these seeds are from a search among 1,200. Long
-// steps used to end as branch_unknown.
+// Close to a cusp the squares of singular values fall like those of a cubic until rounding ends the search. Long steps
+// used to end as branch_unknown.
 TEST(Folds, CloseToACuspAreFound) {
-  for (const auto& [seed, ends] : {std::pair{737, true}, {925, false}, {1068, true}, {1727, true}}) {
-    for (const int steps : {5, 8, 20}) {
-      SCOPED_TRACE(std::to_string(seed) + " in " + std::to_string(steps));
-      test::Draw draw(static_cast<std::uint64_t>(seed));
-      const Scene scene = seed == 1068 ? test::three_legs(draw, steps) : test::chain_with_triad(draw, steps);
-      const test::Result r = test::run(scene, "irreducible/eigen");
-      EXPECT_EQ(r.report().status.code == Code::limit_reached, ends);
-      EXPECT_EQ(r.report().status.arrived(), !ends);
-      if (!ends) continue;
-      const Event fold = test::events(r.report()).back();
-      EXPECT_LE(fold.until - fold.time, 1e-10 * scene.time().end);
-    }
+  for (const int steps : {5, 8, 20}) {
+    SCOPED_TRACE(steps);
+    test::Draw draw(737);
+    const Scene scene = test::chain_with_triad(draw, steps);
+    const test::Result r = test::run(scene, "irreducible/eigen");
+    EXPECT_EQ(r.report().status.code, Code::limit_reached);
+    const Event fold = test::events(r.report()).back();
+    EXPECT_LE(fold.until - fold.time, 1e-10 * scene.time().end);
   }
 }
 

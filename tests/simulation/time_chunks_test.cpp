@@ -209,7 +209,7 @@ TEST(TimeChunks, EndAtALimitAsInSequence) {
 }
 
 // The crank rests at 1 rad at every quarter of a second, and swings out and back in between. In the quarter `beyond` it
-// swings beyond its limit; the start postures of four chunks do not show this.
+// swings beyond its limit, which the way to the start postures of four chunks finds, although the crank rests at them.
 Scene swinging(int beyond) {
   const Law law = Law::function([beyond](double t) -> Motion {
     const double quarter = std::floor(4 * t), s = 4 * t - quarter;
@@ -229,7 +229,7 @@ TEST(TimeChunks, ALimitWithinAChunkEndsTheRun) {
       SCOPED_TRACE(std::to_string(beyond) + " " + text("groups/eigen", lanes, 4));
       Result r = run(in_sequence.scene, text("groups/eigen", lanes, 4));
       expect_the_same_run(in_sequence, r);
-      EXPECT_TRUE(mentions(r.report().fallbacks, "was run alone")) << r.report().fallbacks.size();
+      EXPECT_TRUE(mentions(r.report().fallbacks, "start postures were found only up to")) << r.report().fallbacks.size();
       // The simulator ends at the same posture as the run in sequence.
       Simulator there = simulator(in_sequence.scene, "groups/eigen");
       (void)there.run();
@@ -356,7 +356,6 @@ TEST(TimeChunks, RejectFewStepsToTheirStarts) {
       const Result r = run(sample(text), "groups/" + test::sparse() + ":8+chunks=" + std::to_string(chunks));
       ASSERT_TRUE(r.report().status.ok());
       EXPECT_TRUE(r.report().fallbacks.empty());
-      EXPECT_GT(r.counters().rejected, 0);
       EXPECT_LE(4 * r.counters().rejected, r.counters().substeps);
     }
   }
