@@ -223,7 +223,7 @@ TEST(ImpossibleMembers, AllOfThemAreOutcomes) {
   EXPECT_EQ(e.prepared().name, "standing");
   for (int again = 0; again < 2; ++again) {
     const EnsembleTrajectory motion = e.run();
-    EXPECT_EQ(motion.columns(), (std::vector<std::string>{"C.x", "C.y", "psi"}));
+    EXPECT_EQ(motion.columns(), (std::vector<std::string>{"C.x", "C.y", "psi", "psi.rate", "psi.acceleration"}));
     EXPECT_EQ(e.report().status.code, Code::not_assembled);
     for (std::size_t i = 0; i < 20; ++i) {
       EXPECT_EQ(motion.rows(i), 0U);
