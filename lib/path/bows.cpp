@@ -59,8 +59,8 @@ bool Bows::take(std::span<const double> bows) {
 }
 
 bool Bows::serve(std::int64_t branch_checks) {
-  if (measured_.at < 0 || doubted_) return false;
-  const bool is_new = measured_.at == branch_checks;
+  if (measured_.at < 0 || measured_.doubted) return false;
+  const bool is_new = is_fresh_ && measured_.at == branch_checks;
   for (std::size_t m = 0; m < mechanisms_; ++m) {
     if (!std::isfinite(times_[m])) return false;
     if (!is_new && !(kFar * times_[m] * measured_.part[m] <= 1)) return false;
@@ -147,7 +147,8 @@ void Bows::finish(std::int64_t branch_checks) {
     }
   }
   measured_.at = checked_ = branch_checks;
-  doubted_ = false;
+  measured_.doubted = false;
+  is_fresh_ = true;
 }
 
 double Bows::part(std::size_t mechanism) const {

@@ -28,8 +28,11 @@ class Bows {
 
   // Forgets the probes.
   void clear() { measured_.at = -1; }
-  // The same, if only the next step that comes close to its limit needs new ones.
-  void doubt() { doubted_ = true; }
+  // To be called when a step begins: if it comes close to its limit, its own probes decide where it is divided, so that
+  // earlier steps, also those that failed, do not.
+  void begin_step() { is_fresh_ = false; }
+  // Forgets the probes if only the next step that comes close to its limit needs new ones.
+  void doubt() { measured_.doubted = true; }
 
   // Takes the bows of the laws on a step: mechanisms x laws. False if no law leaves its chord.
   [[nodiscard]] bool take(std::span<const double> bows);
@@ -61,14 +64,20 @@ class Bows {
 
   // Figures of the last measurement.
   struct Measured {
-    std::int64_t at = -1;               // number of branch checks; -1: nothing is measured
+    std::int64_t at = -1;               // number of branch checks, in a snapshot since then; -1: nothing is measured
     std::vector<double> weights, part;  // mechanisms x laws: their bows; mechanisms: square of part()
     std::vector<double> omega;          // of all blocks
+    bool doubted = false;
   };
-  [[nodiscard]] const Measured& measured() const { return measured_; }
-  void restore(const Measured& from) {
+  void save(Measured& into, std::int64_t branch_checks) const {
+    into = measured_;
+    if (measured_.at >= 0) into.at = branch_checks - measured_.at;
+  }
+  void restore(const Measured& from, std::int64_t branch_checks) {
     measured_ = from;
+    if (from.at >= 0) measured_.at = branch_checks - from.at;
     checked_ = -1;
+    is_fresh_ = false;
   }
 
  private:
@@ -89,7 +98,7 @@ class Bows {
   std::vector<std::uint8_t> regular_;  // packs
   Measured measured_;
   std::int64_t checked_ = -1;  // branch checks for which the probes are known to serve
-  bool doubted_ = false;
+  bool is_fresh_ = false;      // measured in the current step
 };
 
 }  // namespace assur

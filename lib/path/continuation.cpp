@@ -15,9 +15,9 @@
 namespace assur {
 namespace {
 
-constexpr double kUnseen = 2;     // parts of a step in which a measured angle may have turned unseen
-constexpr double kPassed = 64;    // ratio to the first shortest step from which on a step has passed the failure
-constexpr int kExpandAfter = 4;   // rejected attempts in a row; then all rates are computed and used for predictions
+constexpr double kUnseen = 2;    // parts of a step in which a measured angle may have turned unseen
+constexpr double kPassed = 64;   // ratio to the first shortest step from which on a step has passed the failure
+constexpr int kExpandAfter = 4;  // rejected attempts in a row; then all rates are computed and used for predictions
 
 bool worth_halving(Code code) {
   return code == Code::branch_unknown || code == Code::not_converged || code == Code::singular ||
@@ -173,7 +173,7 @@ void Continuation::save(Snapshot& into, bool in_step) const {
   into.turns.resize(turns_.size());
   for (std::size_t i = 0; i < turns_.size(); ++i) turns_[i]->save(into.turns[i]);
   if (limit_watch_) limit_watch_->save(into.limits);
-  into.bows = bows_.measured();
+  bows_.save(into.bows, report_.counters.branch_checks);
   into.limit_at = limit_at_;
   into.pack_limits.clear();
   if (!std::isnan(limit_at_)) into.pack_limits = layout_.limits;
@@ -206,7 +206,7 @@ void Continuation::restore(const Snapshot& from) {
   inputs_.accept(from.angles);
   for (std::size_t i = 0; i < turns_.size(); ++i) turns_[i]->restore(from.turns[i]);
   if (limit_watch_) limit_watch_->restore(from.limits, now_);
-  bows_.restore(from.bows);
+  bows_.restore(from.bows, report_.counters.branch_checks);
   drop_limit();
   if (!from.pack_limits.empty()) layout_.limits = from.pack_limits;
   limit_at_ = from.limit_at;
@@ -466,6 +466,7 @@ Status Continuation::step_to(double t, bool may_reselect, Stride& stride) {
   if (t == now_) return {};
   if (const Status s = check_aim(t); !s.ok()) return s;
   at_begin_ = {converged_, watched_level_, turn_guessed_};
+  bows_.begin_step();
   Status status;
   try {
     inputs_.begin_step(now_, t);

@@ -237,6 +237,7 @@ Status Tile::check_functions(std::span<const double> times) {
 
 Status Tile::step(std::span<const double> times) {
   if (const Status s = check_functions(times); !s.ok()) return s;
+  bows_.begin_step();
   state_.predict(times[0]);
   Status s = solve(times, Attempt::Branch::inside);
   if (s.ok() && limit_watch_[0]) s = check_limits(times);

@@ -75,14 +75,14 @@ TEST(AskedOutputs, AreRefusedWithAListOfChoices) {
   EXPECT_EQ(refusal(pendulum(), "Q"), "/outputs/0: there is no point, vector or measure 'Q'; there are: A, X, B");
   EXPECT_EQ(refusal(pendulum(), "B.z"),
             "/outputs/0: 'B' has no part 'z'; expected position, velocity, acceleration, x, y, vx, vy, ax or ay");
-  EXPECT_EQ(
-      refusal(pendulum(), "motor.tau"),
-      "/outputs/0: 'motor' is a driver; an output is a point, a vector, a body, a measure or a constraint's lambda or mu");
+  EXPECT_EQ(refusal(pendulum(), "motor.tau"),
+            "/outputs/0: 'motor' is a driver; an output is a point, a vector, a body, a measure or a constraint's "
+            "lambda or mu");
   EXPECT_EQ(refusal(pendulum(), "motor.rho.position"),
             "/outputs/0: 'motor.rho' has no part 'position'; expected value, rate or acceleration");
-  EXPECT_EQ(
-      refusal(pendulum(), "motor.across"),
-      "/outputs/0: 'motor' is a driver; an output is a point, a vector, a body, a measure or a constraint's lambda or mu");
+  EXPECT_EQ(refusal(pendulum(), "motor.across"),
+            "/outputs/0: 'motor' is a driver; an output is a point, a vector, a body, a measure or a constraint's "
+            "lambda or mu");
 }
 
 TEST(AskedOutputs, AllMeansEverythingAndStandsAlone) {

@@ -230,7 +230,8 @@ TEST(TimeChunks, ALimitWithinAChunkEndsTheRun) {
       Result r = run(in_sequence.scene, text("groups/eigen", lanes, 4));
       expect_the_same_run(in_sequence, r);
       // No chunk begins behind the last limit.
-      EXPECT_TRUE(mentions(r.report().fallbacks, beyond < 3 ? "start postures were found only up to" : "was run alone"));
+      EXPECT_TRUE(
+          mentions(r.report().fallbacks, beyond < 3 ? "start postures were found only up to" : "was run alone"));
       // The simulator ends at the same posture as the run in sequence.
       Simulator there = simulator(in_sequence.scene, "groups/eigen");
       (void)there.run();
