@@ -7,6 +7,7 @@
 #include "index.hpp"
 #include "numbers.hpp"
 #include "scene/own_values.hpp"
+#include "scene/residual_scale.hpp"
 #include "structure/assembly.hpp"
 #include "structure/dense_block.hpp"
 
@@ -15,6 +16,25 @@ namespace {
 
 constexpr double kAsWritten = 1e-9;  // rad or internal units: a driver has its value in the posture as written
 constexpr double kHalfTurn = 1e-12;  // rad: a turn by -pi is one by pi
+// Internal units. A drawing with rounded numbers is closed by Newton's method if no coordinate moves farther: its walk
+// would be long next to a singular posture, and might meet it.
+constexpr double kAlmostClosed = 1e-2;
+
+bool close_nearby(const System& s, const std::vector<WalkedPart>& parts, std::vector<Index>& column,
+                  std::vector<double>& q) {
+  std::vector<double> closed = q;
+  for (const WalkedPart& p : parts) {
+    const bool holds = p.equations.size() == p.unknowns.size()
+                           ? assemble(s, p.equations, p.unknowns, closed, column).converged
+                           : fit(s, p.equations, p.unknowns, closed, column) <= kConsistent;
+    if (!holds) return false;
+    for (const Index u : p.unknowns) {
+      if (!(std::abs(closed[idx(u)] - q[idx(u)]) <= kAlmostClosed)) return false;
+    }
+  }
+  q = std::move(closed);
+  return true;
+}
 
 }  // namespace
 
@@ -61,7 +81,7 @@ bool close(const System& s, const std::vector<WalkedPart>& parts, std::vector<do
     const Eigen::VectorXd phi = block.residuals(q);
     for (Eigen::Index i = 0; i < phi.size(); ++i) way.open[idx(p.equations[static_cast<std::size_t>(i)])] = phi[i];
   }
-  if (way.open.empty()) return true;
+  if (way.open.empty() || close_nearby(s, parts, column, q)) return true;
   for (const DriverInput& in : s.inputs) {
     way.from.push_back(wanted_values(s, in, q));
     way.change.emplace_back(way.from.back().size(), 0.0);
