@@ -133,7 +133,7 @@ TEST(Gough, FindsAllFortyPosturesFromPerturbedGuesses) {
   for (const references::GoughRow& row : table) {
     const Scene scene = sample("gough", {{"posture", row.posture}});
     const double errors = row.condition < 1e5 ? 1e-3 : 1e-6;
-    for (unsigned draw = 0; draw < 2; ++draw) {
+    for (unsigned draw = 0; draw < 5; ++draw) {
       const unsigned seed = 100 * static_cast<unsigned>(row.posture) + draw;
       const Scene guess = references::perturbed(scene, errors, seed);
       const Simulator s = test::simulator(guess, draw % 2 == 0 ? "groups/eigen" : "irreducible/" + test::sparse());
