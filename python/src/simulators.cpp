@@ -171,7 +171,7 @@ more. seconds: time limit of one step, s; 0: none. pin_to: processors for the th
           "output", [](const Session& s, const std::string& column) { return s.use()->output(column); },
           py::arg("column"), "One output at the current time, by its name or by index(); SI units.")
       .def(
-          "name_of", [](const Session& s, const Status& status) { return s.open().name_of(status.where); },
+          "name_of", [](const Session& s, const Status& status) { return s.use()->name_of(status.where); },
           py::arg("status"),
           "Name of the driver, group or limited quantity that a status of this simulator is about; '' if none.")
       .def_property_readonly(
