@@ -125,10 +125,12 @@ void Forms::append(Terms& terms, Index f, Index factor) {
       // A coefficient that is only rounding is zero: two members may be at one place of their body.
       // A tape compares with the coefficients, so that the scale of other numbers does not matter.
       const Exact a = exact(same->constant), b = exact(c), sum = a + b;
-      const Number larger = std::max(abs(a.value), abs(b.value));
-      const double share = larger.value() > 0 ? sum.size / larger.value() : 1;
-      const bool is_rounding = t.coordinate != kOne && abs(sum.value) <= kLocalRounding * share * larger;
-      same->constant = internal_constant(is_rounding ? Exact{0, 0, sum.size} : sum);
+      const auto is_rounding = [&] {
+        const Number larger = std::max(abs(a.value), abs(b.value));
+        const double share = larger.value() > 0 ? sum.size / larger.value() : 1;
+        return abs(sum.value) <= kLocalRounding * share * larger;
+      };
+      same->constant = internal_constant(t.coordinate != kOne && is_rounding() ? Exact{0, 0, sum.size} : sum);
     }
   }
 }

@@ -22,7 +22,8 @@ Tape::Node Tape::add(const Operation& operation, double result) {
   const auto node = static_cast<Node>(operations_.size());
   operations_.push_back(operation);
   const auto bits = std::bit_cast<std::uint64_t>(result);
-  if ((bits & kLastDigits) != 0) node_of_.try_emplace(bits, node);
+  // The bits of |a| are also those of a or -a.
+  if (operation.kind != Kind::magnitude && (bits & kLastDigits) != 0) node_of_.try_emplace(bits, node);
   return node;
 }
 
