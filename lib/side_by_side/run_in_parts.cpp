@@ -38,7 +38,7 @@ std::string run_one(Simulator& part, std::span<const Part::Columns> own, std::sp
     values += columns;
   }
   const Report& report = part.report();
-  if (report.counters.rejected > 0) return "a step had to be divided";
+  if (report.counters.rejected + report.counters.substeps > 0) return "a step had to be divided";
   if (!report.events.empty()) return "there was an event at t = " + std::to_string(report.events.front().time) + " s";
   return "";
 }
