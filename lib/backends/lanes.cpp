@@ -218,7 +218,7 @@ int LanesSolver::twin(std::span<const double> values, int lane, std::uint32_t am
 // Each renewal doubles the patience; a long time without one resets it.
 bool LanesSolver::renewal_is_due() {
   const bool again = count_ - last_redone_ < kRecent;
-  if (last_redone_ < 0) last_renewed_ = count_;  // what came before the first one does not matter
+  if (last_redone_ < 0) last_renewed_ = count_ - 1;  // what came before the first one does not matter
   last_redone_ = count_;
   const std::int64_t since = count_ - last_renewed_;
   if (!again || since < patience_) return false;

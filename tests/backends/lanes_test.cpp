@@ -298,6 +298,22 @@ TEST(Lanes, RepivotsWhenLanesKeepFailing) {
   EXPECT_EQ(solver->effort().redone, redone);
 }
 
+// Who keeps a solver that has not redone a lane need not care what it factorised.
+TEST(Lanes, EarlierStepsDoNotMatterWhileNoLaneWasRedone) {
+  const auto solver = make();
+  ASSERT_TRUE(solver->analyze(two(4).pattern, 2).ok());
+  step(*solver, twos({4, 5}));
+  const auto fresh = solver->clone();
+  for (int k = 0; k < 100; ++k) step(*solver, twos({5, 4}));
+  for (int k = 0; k < 20; ++k) {
+    step(*solver, twos({1e-3, 1e-4}));
+    step(*fresh, twos({1e-3, 1e-4}));
+    EXPECT_EQ(solver->effort().renewed, fresh->effort().renewed) << k;
+    EXPECT_EQ(solver->effort().redone, fresh->effort().redone) << k;
+  }
+  EXPECT_EQ(fresh->effort().renewed, 1);
+}
+
 // No pivots suit both lanes, so new ones are tried less and less often.
 TEST(Lanes, DisagreeingLanesDoNotRepivotForever) {
   const auto solver = make();

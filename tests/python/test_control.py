@@ -49,7 +49,7 @@ def test_an_exception_of_a_law_drops_the_targets():
         return (t, 1, 0)
 
     scene = assur.SceneBuilder("two", 2).point("A", (0, 0), fixed=True).point("B", (1, 0)).point("E", (2, 0))
-    scene.drive_angle("motor", "A", "B", 0.5).drive_coordinate("x", "E.x", law).drive_coordinate("y", "E.y", 0)
+    scene.drive_angle("motor", "A", "B", 0.5).drive_coordinate("x", "E.x", assur.Law.function(law)).drive_coordinate("y", "E.y", 0)
     simulator = assur.Simulator(assur.prepare(scene.time(0, 1, 0.01).build(), controlled=["motor", "x"]))
     for step in (lambda: simulator.step(), lambda: simulator.step(simulator.time + 0.01)):
         there = simulator.output("B.x")

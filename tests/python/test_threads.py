@@ -77,7 +77,7 @@ def test_each_call_of_a_simulator_in_use_is_refused(mechanism):
     simulator = assur.Simulator(prepared)
     state, motor, outputs = simulator.save(), simulator.driver("motor"), simulator.outputs
     arguments = {"set": (motor, 0.1), "driver": ("motor",), "index": ("C.x",), "output": (0,), "restore": (state,),
-                 "stream": (print,)}
+                 "stream": (print,), "name_of": (simulator.report.status,)}
     gate = Gate()
     rows = background(lambda: simulator.stream(gate))
     with gate:
