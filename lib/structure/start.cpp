@@ -306,7 +306,7 @@ class DrivenStart {
       note_farthest_point();
       note_turned_vector();
     }
-    if (is_guess && !out_.undetermined.empty() && is_determined_nearby(found.doubtful)) refuse_dead_centre();
+    if (is_guess && !out_.undetermined.empty() && is_determined_nearby(found.doubtful, p_.q)) refuse_dead_centre();
     out_.mobility_at_start = out_.mobility;
     if (is_guess) look_at_other_postures(s_, found.doubtful, p_.q, p_.time, out_);
   }
@@ -667,6 +667,9 @@ class DrivenStart {
     std::optional<Attempt> other = search(at_laws);
     if (other && !undefined_driver(s_, other->problem.q).empty()) other.reset();
     Attempt a = other ? std::move(*other) : attempt(p_, out_, at_laws);
+    // Equations that repeat others everywhere leave no way.
+    const bool is_posture = !other && a.out.cannot_assemble.empty() && !a.out.undetermined.empty();
+    if (is_posture && !is_determined_nearby(a.doubtful, a.problem.q)) return a;
     a.out.undetermined.clear();
     const std::string unassembled = std::exchange(a.out.cannot_assemble, why);
     if (!other) {
@@ -780,7 +783,7 @@ class DrivenStart {
   [[nodiscard]] const std::string& name(const DriverInput& in) const { return s_.drivers[idx(in.driver)]; }
 
   // True if nothing is undetermined after a small displacement of the drivers: the posture is singular, not the scene.
-  bool is_determined_nearby(const DoubtfulParts& parts) {
+  bool is_determined_nearby(const DoubtfulParts& parts, const std::vector<double>& at) {
     std::vector<Index> equations, mentioned, inputs(s_.inputs.size());
     std::copy_if(parts.equations.begin(), parts.equations.end(), std::back_inserter(equations), [&](Index e) {
       s_.mentioned(e, mentioned);
@@ -793,7 +796,7 @@ class DrivenStart {
     const DenseBlock block(s_, equations, parts.unknowns, column_);
     for (const double by : {kNearby, -kNearby}) {
       if (freedoms.count() == 0) return false;
-      std::vector<double> q = p_.q;
+      std::vector<double> q = at;
       freedoms.move(std::vector<double>(freedoms.count(), by), q);
       if (fit(s_, equations, parts.unknowns, q, column_) > kConsistent) continue;
       Eigen::MatrixXd j = block.jacobian(q);
