@@ -17,6 +17,7 @@
 #include "errors/static_errors.hpp"
 #include "path/layout.hpp"
 #include "path/levels.hpp"
+#include "signals/inputs.hpp"
 #include "signals/output_program.hpp"
 
 namespace assur {
@@ -41,15 +42,17 @@ class ErrorEstimate {
   // Returns to a snapshot. branch_checks: number of branch checks since it was saved.
   void restore(const Snapshot& from, std::int64_t branch_checks);
 
-  // Begins a new run. systems: one for each mechanism, all of one structure; they must outlive the run.
-  void restart(std::span<const System* const> systems);
+  // Begins a new run. systems: one for each mechanism, all of one structure; evaluated: those of their inputs that are
+  // evaluated; inputs: null if all of them follow their laws. All arguments must outlive the run.
+  void restart(std::span<const System* const> systems, std::span<const Index> evaluated,
+               const Inputs* inputs = nullptr);
   // Continues another run of the same outputs: takes over its largest errors and values. The next step is measured.
   void continue_from(ErrorEstimate& before);
 
-  // True if the last measurement is out of date. Call it for every step with the posture, its largest residual, and the
-  // divisors of the measures of each mechanism (OutputProgram::evaluate).
-  [[nodiscard]] bool due(std::int64_t branch_checks, const double* const (&state)[3], double residual,
-                         std::span<const double* const> divisors);
+  // True if the last measurement is out of date. Call it for every step with the time of each mechanism, the posture,
+  // its largest residual, and the divisors of the measures of each mechanism (OutputProgram::evaluate).
+  [[nodiscard]] bool due(std::int64_t branch_checks, std::span<const double> times, const double* const (&state)[3],
+                         double residual, std::span<const double* const> divisors);
 
   // Measures the errors of the current posture. times, rows, divisors: times, outputs and divisors of each mechanism.
   // each(work) must call work(p, solver) for every pack, level after level. All figures are infinite if a matrix is
@@ -145,13 +148,20 @@ class ErrorEstimate {
     Place worst;
     // Divisors of the measures: the smallest measured ones, and the range in which the last measurement is valid.
     std::vector<double> smallest, least, most;
-    std::vector<double> fast;  // driven_: largest rates and accelerations for which the last measurement is valid
+    std::vector<double> fast;     // driven_: largest rates and accelerations for which the last measurement is valid
+    double before = 0, step = 0;  // time of the last step, and its length, s
+    double measured = 0, serves = 0;  // time of the last measurement, and how long the rounding of its laws serves, s
+    std::vector<Jet<double>> laws;    // bounds of the rounding of the evaluated laws, internal units
   };
   void find_reads();
   void begin(std::span<const double> times, const double* const (&state)[3]);
   [[nodiscard]] Probes probes() const { return Probes(probes_).first(knows_gain_ ? probes_.size() : 1 + kRandom); }
   void perturb_static(const double* state);
-  void perturb_known(std::span<const double> times, const double* const (&state)[3], const Probe& probe);
+  void find_rounding_of_laws(std::size_t mechanism, double t);
+  void round_laws(const System& system, double t, bool now, std::vector<Jet<double>>& bounds) const;
+  [[nodiscard]] bool begins_at_rest(const Mechanism& m, const System& system) const;
+  [[nodiscard]] bool has_grown(const Mechanism& m) const;
+  void perturb_known(const double* const (&state)[3], const Probe& probe);
   void find_worst();
   void finish(const double* const (&state)[3], std::span<const double* const> rows);
   void carry(const Probe& probe, const double* const (&state)[3]);
@@ -170,20 +180,24 @@ class ErrorEstimate {
   std::vector<std::int32_t> driven_;           // addresses of driven coordinates
   std::vector<std::int32_t> size_of_;          // columns: 3 * output + derivative
   std::vector<int> dimension_;                 // outputs: power of length
+  std::vector<std::uint8_t> is_angle_;         // outputs
   std::array<bool, 3> wanted_{};               // true if an output needs values, rates, accelerations
   std::array<std::vector<double>, 3> memory_;  // errors of all probes, by derivative
   std::vector<Probe> probes_;                  // the first one carries the residuals
   std::vector<double> slopes_;                 // changes of the outputs along a probe
   std::vector<Mechanism> mechanisms_;          // lanes
   std::vector<const System*> systems_;         // systems of the used mechanisms
-  bool static_known_ = true;                   // the probes hold the errors of static coordinates
-  std::size_t used_ = 0;                       // number of used mechanisms
-  std::vector<double> omega_;                  // omega of the blocks of all packs at the last measurement
-  std::vector<std::uint8_t> regular_;          // packs
-  std::vector<std::int32_t> reads_;            // packs that compute inputs of a pack, pack after pack
-  std::vector<std::size_t> reads_begin_;       // packs + 1: first index into reads_
-  std::vector<double> growth_;                 // packs: largest growth of conditions along a path that ends here
-  double residual_ = 0;                        // the largest residual of a measured step
+  std::span<const Index> evaluated_;           // inputs
+  const Inputs* inputs_ = nullptr;
+  std::vector<Jet<double>> ahead_;        // like Mechanism::laws, at a later time
+  bool static_known_ = true;              // the probes hold the errors of static coordinates
+  std::size_t used_ = 0;                  // number of used mechanisms
+  std::vector<double> omega_;             // omega of the blocks of all packs at the last measurement
+  std::vector<std::uint8_t> regular_;     // packs
+  std::vector<std::int32_t> reads_;       // packs that compute inputs of a pack, pack after pack
+  std::vector<std::size_t> reads_begin_;  // packs + 1: first index into reads_
+  std::vector<double> growth_;            // packs: largest growth of conditions along a path that ends here
+  double residual_ = 0;                   // the largest residual of a measured step
   std::int64_t branch_checks_ = 0;
   std::int64_t steps_ = 0, interval_ = 0;
   std::int64_t measurements_ = 0;

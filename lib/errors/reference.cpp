@@ -4,7 +4,8 @@
 // divided by the largest |x_ref|, both in the maximum norm. The divisor is at least one internal unit (lengths: the
 // characteristic length; angles: 1 rad), for rates times w / 2 pi, where w is the fastest rate of the driven
 // coordinates in the run, and for accelerations times w^2 / 4 pi^2; the largest acceleration of a driven coordinate
-// replaces w^2 if it is larger.
+// replaces w^2 if it is larger. For the acceleration of an angle it is also at least the square of the largest rate of
+// the angle, if that is an output.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -15,6 +16,7 @@
 #include <vector>
 
 #include "assur/simulator.hpp"
+#include "errors/angle_output.hpp"
 #include "errors/reference_motion.hpp"
 #include "numbers.hpp"
 #include "scene/outputs.hpp"
@@ -98,8 +100,10 @@ class Comparison {
       const double unit = motion_.system().unit(o.output.parts().front().dimension);
       for (std::size_t d = 0; d < 3; ++d) {
         if (!o.output.wanted[d]) continue;
-        const auto& [difference, size] = o.figures[d];
-        const double error = difference != 0 ? difference / std::max(size, scale_[d] * unit) : 0;
+        const double difference = o.figures[d].difference;
+        double size = std::max(o.figures[d].size, scale_[d] * unit);
+        if (d == 2 && is_angle(o.output)) size = std::max(size, o.figures[1].size * o.figures[1].size);
+        const double error = difference != 0 ? difference / size : 0;
         *of[d] = std::fmax(*of[d], std::isnan(error) ? kInfinity : error);
       }
     }

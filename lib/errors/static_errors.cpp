@@ -13,8 +13,8 @@
 namespace assur {
 namespace {
 
-// A sum and a bound of its rounding error, in units of epsilon / 2. Adding the first term, and multiplying by factors
-// of size 1, cause no rounding.
+// A sum and a bound of its rounding error, in units of epsilon / 2. Adding the first term, and products with a number
+// of size 1, as of the coordinates of fixed points, cause no rounding.
 struct RoundedSum {
   double value = 0, error = 0;
 
@@ -24,7 +24,7 @@ struct RoundedSum {
     value += product;
     error += std::abs(coefficient) * term_error;
     if (!first) error += std::abs(value);
-    if (std::abs(coefficient) != 1) error += std::abs(product);
+    if (std::abs(coefficient) != 1 && std::abs(term) != 1) error += std::abs(product);
   }
 };
 
@@ -69,8 +69,8 @@ StaticErrors::StaticErrors(const System& system, const Structure& structure)
   if (equations_.size() != coordinates_.size()) coordinates_.clear();
 }
 
-std::vector<double> StaticErrors::draw(const System& system, const std::vector<double>& q, std::size_t probes,
-                                       std::uint64_t seed) const {
+std::vector<double> StaticErrors::draw(const System& system, const std::vector<double>& q,
+                                       std::span<const double> known, std::size_t probes, std::uint64_t seed) const {
   const std::size_t n = coordinates_.size();
   std::vector<double> errors(n * (probes + 1), kInfinity);
   if (n == 0) return errors;
@@ -84,10 +84,15 @@ std::vector<double> StaticErrors::draw(const System& system, const std::vector<d
   for (std::size_t k = 0; k <= probes; ++k) {
     RandomSign sign(seed + k);
     for (std::size_t i = 0; i < n && k > 0; ++i) {
-      e[static_cast<Eigen::Index>(i)] = sign() * kEps * rounding(system, equations_[i], q);
+      double& error = e[static_cast<Eigen::Index>(i)];
+      error = sign() * kEps * rounding(system, equations_[i], q);
+      const double* const moved = known.data() + (k - 1) * q.size();
+      gradient<double>(system, equations_[i], q, [&](std::int32_t c, double g) { error -= g * moved[c]; });
     }
     const Eigen::VectorXd error = lu.solve(e);
     std::copy_n(error.data(), n, errors.data() + k * n);
+    for (std::size_t i = 0; i < n && k > 0; ++i)
+      errors[k * n + i] += sign() * kEps / 2 * std::abs(q[idx(coordinates_[i])]);
   }
   return errors;
 }

@@ -21,9 +21,10 @@ class StaticErrors {
 
   // Errors [k * coordinates + i] of coordinate i: for k = 0 from the residuals of the equations, for k = 1 ... probes
   // from rounding, with signs drawn by seed + k. q: all coordinates of a system of this structure, of which the static
-  // ones are read. Infinite if the matrix is singular.
-  [[nodiscard]] std::vector<double> draw(const System& system, const std::vector<double>& q, std::size_t probes,
-                                         std::uint64_t seed) const;
+  // ones are read. known [(k - 1) * size of q + c]: error of the driven coordinate c; 0 for all others. Infinite if the
+  // matrix is singular.
+  [[nodiscard]] std::vector<double> draw(const System& system, const std::vector<double>& q,
+                                         std::span<const double> known, std::size_t probes, std::uint64_t seed) const;
 
  private:
   std::vector<std::int32_t> coordinates_, equations_;

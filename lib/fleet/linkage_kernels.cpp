@@ -30,8 +30,8 @@ HWY_INLINE void set_fixed(const PreparedJoint& joint, JointBlock& out) {
 
 HWY_INLINE void turn_crank(const PreparedJoint& joint, const double* times, const JointBlock& first, JointBlock& out) {
   double angles[kTimes], sines[kTimes], cosines[kTimes];
-  const L turn = L::set(joint.c) * L::load(times);
-  (turn + L::set(joint.b)).store(angles);
+  const L turn = L::set(joint.c) * L::load(times), angle = turn + L::set(joint.b);
+  angle.store(angles);
   angle_kernels().sin_cos(angles, kTimes, sines, cosines);
   const L dx = L::set(joint.a) * L::load(cosines), dy = L::set(joint.a) * L::load(sines), speed = L::set(joint.c);
   (L::load(first.x) + dx).store(out.x);
@@ -39,7 +39,7 @@ HWY_INLINE void turn_crank(const PreparedJoint& joint, const double* times, cons
   (L::load(first.vx) - speed * dy).store(out.vx);
   (L::load(first.vy) + speed * dx).store(out.vy);
   // The rounding of the angle turns the crank.
-  const L lost = L::set(joint.rounding[0]) * (abs(turn) + L::set(1));
+  const L lost = L::set(joint.rounding[0]) * (abs(turn) + abs(angle) + L::set(1));
   (L::load(first.error_x) - lost * dy).store(out.error_x);
   (L::load(first.error_y) + lost * dx).store(out.error_y);
 }

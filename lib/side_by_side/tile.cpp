@@ -147,7 +147,7 @@ void Tile::bind(bool alike) {
   }
   std::vector<const System*> systems;
   for (const Variant* v : variants_) systems.push_back(v->system.get());
-  estimate_.restart(systems);
+  estimate_.restart(systems, driven_.inputs);
   same_laws_ = same_laws();
   same_assignments_ = same_laws_ && same_assignments();
 }
@@ -390,7 +390,7 @@ Status Tile::solve_packs(std::span<const double> times, Attempt::Branch branch, 
 
 bool Tile::errors_are_due() {
   const double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
-  return estimate_.due(counters_.branch_checks, q, left_, divisors_);
+  return estimate_.due(counters_.branch_checks, now_, q, left_, divisors_);
 }
 
 void Tile::measure_errors(std::span<const double> times, std::span<const double* const> rows) {
@@ -593,7 +593,7 @@ void Tile::clear_figures() {
   counters_ = {};
   error_ = {};
   effort_ = {};
-  estimate_.restart({});
+  estimate_.restart({}, {});
   for (Pack& pack : layout_.packs) pack.solver.reset();
   for (const auto& s : layout_.solvers) s->restart();
 }

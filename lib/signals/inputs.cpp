@@ -111,6 +111,7 @@ void Inputs::compile(const Driven& driven) {
   accepted_angles_.assign(program_.angles().begin(), program_.angles().end());
   bows_.assign(program_.laws(), 0.0);
   length_of_bows_ = kNan;
+  evaluated_ = driven.inputs;
   levers_.clear();
   for (const Index i : driven.inputs) {
     const DriverInput& in = system_.inputs[static_cast<std::size_t>(i)];
@@ -190,6 +191,13 @@ bool Inputs::follows_law(std::size_t input, std::size_t law) const {
          std::none_of(controls_.begin(), controls_.end(), [&](const Control& c) {
            return c.input == input && static_cast<std::size_t>(c.law) == law && (c.set || c.pending);
          });
+}
+
+const Motion* Inputs::command(std::size_t input, std::size_t law) const {
+  for (const Control& c : controls_) {
+    if (c.input == input && static_cast<std::size_t>(c.law) == law && c.set) return &c.to;
+  }
+  return nullptr;
 }
 
 void Inputs::set(std::size_t driver, std::size_t names, const Motion& motion) {

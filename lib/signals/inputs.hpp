@@ -60,6 +60,11 @@ class Inputs {
   // True if this law of the system is needed, and no target was set instead.
   [[nodiscard]] bool follows_law(std::size_t input, std::size_t law) const;
 
+  // The target to which this law of the system is set, in SI units; null if the law is followed.
+  [[nodiscard]] const Motion* command(std::size_t input, std::size_t law) const;
+  // The inputs of the system that are evaluated, ascending.
+  [[nodiscard]] const std::vector<Index>& evaluated() const { return evaluated_; }
+
   // Computes how far each law of the program may leave its chord on a step whose end drive() has reached, internal
   // units. False if bows() are still those of the last step.
   [[nodiscard]] bool renew_bows(double from, double to);
@@ -139,6 +144,7 @@ class Inputs {
   const System& system_;
   DriveProgram program_;
   double expanded_about_ = kNan;  // NaN: laws and targets are followed
+  std::vector<Index> evaluated_;
   std::vector<Lever> levers_;
   std::vector<double> accepted_angles_;
   std::vector<double> bows_;      // laws

@@ -96,7 +96,7 @@ struct Simulator::Impl {
     own_lines = 0;
     report.events.reserve(kEventsReserved);
     const System* const of[] = {&system};
-    estimate.restart(of);
+    estimate.restart(of, motion.inputs().evaluated(), &motion.inputs());
     functions.restart();
     doubt = verdict = {};
     in_one_piece = true;
@@ -183,7 +183,9 @@ struct Simulator::Impl {
   Status check_accuracy(double from) {
     const double* const q[3] = {motion.at(0), motion.at(1), motion.at(2)};
     const double* const divided_by = divisors.data();
-    const bool due = estimate.due(report.counters.branch_checks, q, motion.errors().worst(), {&divided_by, 1});
+    const double now = motion.time();
+    const bool due =
+        estimate.due(report.counters.branch_checks, {&now, 1}, q, motion.errors().worst(), {&divided_by, 1});
     if (due || motion.on_change_point()) judge();
     if (postponed >= kMostPostponed) verdict = {Code::inaccurate, {}, kInfinity};
     return verdict.ok() && !motion.turn_guessed() ? Status{} : tell_verdict(from);

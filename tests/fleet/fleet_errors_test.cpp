@@ -91,5 +91,25 @@ TEST(FleetErrors, LostDigitsAreInaccurate) {
   EXPECT_EQ(doubted[0].path, kept.path);
 }
 
+// Angles of many turns are rounded, whether the phase or the time makes them large.
+TEST(FleetErrors, LargeAnglesAreCounted) {
+  for (const double phase : {0.0, 1e6, -1e9, 1e11}) {
+    for (const double start : {0.0, 1e6, 1e9}) {
+      const Linkage linkage = four_bar(1, 3, 2.5, 3, phase);
+      std::vector<double> times = times_of(one_turn(100));
+      for (double& t : times) t = start + std::round(1024 * t) / 1024;
+      const Kept kept = run(linkage, times);
+      Quad error = 0;
+      for (std::size_t k = 0; k < kept.path.size(); ++k) {
+        const auto at = posture(linkage, times[k]).back();
+        for (std::size_t c = 0; c < 2; ++c) error = std::max<Quad>(error, abs(at[c] - kept.path[k][c]));
+      }
+      const double relative = static_cast<double>(error) / largest(kept.path);
+      EXPECT_LE(relative, 2 * kept.motion.error) << phase << ' ' << start;
+      EXPECT_LE(kept.motion.error, 1000 * std::max(relative, kEps)) << phase << ' ' << start;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace assur::test
