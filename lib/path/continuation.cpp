@@ -137,6 +137,7 @@ void Continuation::start(double time, const std::vector<double>& posture, const 
                      : branches_cross()       ? start_beside(system_, now_)
                                               : "; the Jacobian is singular there, start elsewhere on the path"));
   }
+  if (together_) together_->reserve(state_.at(0));
   for (AngleTurns* const turns : turns_) turns->start(state_.at(0));
   turn_guessed_ = false;
   accept(now_, errors);
