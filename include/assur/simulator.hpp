@@ -1,7 +1,7 @@
 // The simulator: runs a plan, and owns all memory that this needs. After construction, step(), set(), output() and
-// outputs() allocate no memory, take no lock and read no file, if the backends are marked `steady`. Exceptions are
-// steps that add an event to the report, and those that choose redundant equations anew (docs/control.md). step()
-// throws only what laws and callbacks throw.
+// outputs() allocate no memory, take no lock and read no file, if the backends are marked `steady`, also if the step
+// fails. Exceptions are steps that choose redundant equations or pivots anew, or end as wrong_function
+// (docs/control.md). step() throws only what laws and callbacks throw.
 #pragma once
 
 #include <chrono>

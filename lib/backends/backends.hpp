@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <memory_resource>
 #include <span>
 #include <string>
 #include <string_view>
@@ -45,7 +46,8 @@ void check_analysis(const Pattern& pattern, int lanes);
 void check_size(std::string_view what, std::size_t actual, std::size_t expected);
 
 // +1 for an even permutation of 0 to n - 1, -1 for an odd one.
-int parity(std::span<const std::int32_t> permutation);
+int parity(std::span<const std::int32_t> permutation,
+           std::pmr::memory_resource* memory = std::pmr::get_default_resource());
 
 // Status of the worst lane: not_finite before singular, then the lowest lane.
 Status worst(std::span<const Code> lanes);

@@ -60,9 +60,9 @@ void check_size(std::string_view what, std::size_t actual, std::size_t expected)
   refuse("a solver expects " + std::to_string(expected) + " " + std::string(what) + ", not " + std::to_string(actual));
 }
 
-int parity(std::span<const std::int32_t> permutation) {
+int parity(std::span<const std::int32_t> permutation, std::pmr::memory_resource* memory) {
   int sign = 1;
-  std::vector<bool> seen(permutation.size());
+  std::pmr::vector<bool> seen(permutation.size(), false, memory);
   for (std::size_t start = 0; start < seen.size(); ++start) {
     for (std::size_t i = start; !seen[i]; i = static_cast<std::size_t>(permutation[i])) {
       seen[i] = true;

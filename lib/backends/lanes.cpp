@@ -45,7 +45,8 @@ class LanesSolver final : public LinearSolver {
   std::unique_ptr<LinearSolver> clone() const override;
 
  private:
-  void prepare(std::shared_ptr<const Pattern> pattern, int lanes);
+  // reserves: memory for pivots that are chosen later
+  void prepare(std::shared_ptr<const Pattern> pattern, int lanes, bool reserves);
   [[nodiscard]] std::uint32_t every_lane() const { return (1u << lanes_) - 1; }
   [[nodiscard]] std::uint32_t finite_lanes(std::span<const double> values);
   void choose_pivots(std::span<const double> values, std::uint32_t wanted);
@@ -59,6 +60,7 @@ class LanesSolver final : public LinearSolver {
   std::shared_ptr<const Pattern> pattern_;
   int lanes_ = 0;
   Limits limits_{};
+  std::unique_ptr<PivotMemory> memory_;
   std::unique_ptr<Factors> factors_;
   Effort effort_;
 
@@ -79,22 +81,28 @@ Status LanesSolver::analyze(const Pattern& pattern, int lanes) {
   if (lanes > kMostLanes || !std::has_single_bit(static_cast<unsigned>(lanes))) {
     throw Error(Error::Kind::input, "the backend lanes has 1, 2, 4, 8 or 16 lanes, not " + std::to_string(lanes));
   }
-  prepare(std::make_shared<const Pattern>(pattern), lanes);
+  prepare(std::make_shared<const Pattern>(pattern), lanes, true);
   return {};
 }
 
-void LanesSolver::prepare(std::shared_ptr<const Pattern> pattern, int lanes) {
+void LanesSolver::prepare(std::shared_ptr<const Pattern> pattern, int lanes, bool reserves) {
   pattern_ = std::move(pattern);
   lanes_ = lanes;
   limits_ = limits(pattern_->n, precision_);
+  const auto w = static_cast<std::size_t>(lanes);
+  alone_.clear();
   factors_ = std::make_unique<Factors>(lanes, precision_);
+  factors_->reserve(pattern_->n);
+  memory_ = std::make_unique<PivotMemory>(pattern_->n, lanes, reserves ? w + 1 : 0);
   effort_ = {};
   all_served_ = false;
-  const auto w = static_cast<std::size_t>(lanes);
   code_.assign(w, Code::singular);
   server_.assign(w, -1);
-  alone_.clear();
   alone_.resize(w);
+  if (memory_->is_reserved()) {
+    for (auto& alone : alone_) alone = std::make_unique<LaneAlone>(pattern_, *memory_);
+    lane_right_.reserve(w * kRightSides * static_cast<std::size_t>(pattern_->n));
+  }
   lane_values_.resize(pattern_->row.size());
   lane_right_.clear();
   count_ = last_renewed_ = 0;
@@ -105,8 +113,11 @@ void LanesSolver::prepare(std::shared_ptr<const Pattern> pattern, int lanes) {
 std::unique_ptr<LinearSolver> LanesSolver::clone() const {
   auto other = std::make_unique<LanesSolver>(precision_);
   if (pattern_) {
-    other->prepare(pattern_, lanes_);
-    if (factors_->program()) other->factors_->set_program(factors_->program());
+    other->prepare(pattern_, lanes_, false);  // there may be thousands
+    if (factors_->program()) {
+      other->factors_->set_program(factors_->program());
+      memory_->give_away(factors_->program());
+    }
   }
   return other;
 }
@@ -140,9 +151,12 @@ void LanesSolver::choose_pivots(std::span<const double> values, std::uint32_t wa
   int most = -1;
   for (const PivotRule& rule : kRules) {
     if (rule.rook) continue;  // common pivots that satisfy it hardly exist
-    const Order order = markowitz_order(*pattern_, values, lanes_, wanted, rule);
+    std::pmr::memory_resource* const temporary = memory_->anew();
+    const Order order = markowitz_order(*pattern_, values, lanes_, wanted, rule, temporary);
     if (!order.complete(pattern_->n)) break;
-    factors_->set_program(std::make_shared<const Elimination>(write_program(*pattern_, order)));
+    const std::shared_ptr<Elimination> program = memory_->program();
+    write_program(*pattern_, order, temporary, *program);
+    factors_->set_program(program);
     const int served = std::popcount(wanted & ~factors_->factorize(values, limits_).growth);
     if (served > most) {
       most = served;
@@ -189,7 +203,7 @@ std::uint32_t LanesSolver::redo(std::span<const double> values, std::uint32_t al
       continue;
     }
     auto& alone = alone_[static_cast<std::size_t>(lane)];
-    if (!alone) alone = std::make_unique<LaneAlone>(pattern_);
+    if (!alone) alone = std::make_unique<LaneAlone>(pattern_, *memory_);
     code = alone->factorize(lane_values_);
     if (code != Code::ok) continue;
     server = lane;

@@ -11,10 +11,11 @@ namespace assur::lanes {
 
 class LaneAlone {
  public:
-  explicit LaneAlone(std::shared_ptr<const Pattern> pattern);
+  // The memory must outlive it.
+  LaneAlone(std::shared_ptr<const Pattern> pattern, PivotMemory& memory);
 
   // Returns ok or singular. values: nnz, finite. Keeps the pivots of the last call while they are good; else chooses
-  // new ones, which allocates memory.
+  // new ones.
   [[nodiscard]] Code factorize(std::span<const double> values);
   void solve(double* b_to_x, int rhs, Transpose transpose, int first_wanted) {
     factors_.solve(b_to_x, rhs, transpose, first_wanted);
@@ -23,6 +24,7 @@ class LaneAlone {
 
  private:
   std::shared_ptr<const Pattern> pattern_;
+  PivotMemory& memory_;
   Limits limits_;
   Factors factors_;
   bool good_ = false;  // the pivots were good at the last factorisation

@@ -11,7 +11,10 @@
 // A.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <memory_resource>
 #include <vector>
 
 #include "assur/backend.hpp"
@@ -45,7 +48,33 @@ struct Elimination {
   [[nodiscard]] Number upper_count(std::size_t row) const { return backward[backward_row[row] + 2]; }
 };
 
-// Writes the list for a complete pivot order.
+// Writes the list for a complete pivot order. Takes memory from `memory`, and for the list if it has not enough.
+void write_program(const Pattern& pattern, const Order& order, std::pmr::memory_resource* memory, Elimination& into);
 [[nodiscard]] Elimination write_program(const Pattern& pattern, const Order& order);
+
+// Memory of a solver that chooses pivots.
+class PivotMemory {
+ public:
+  // Memory is reserved for up to kMostReserved unknowns, and only then used again. holders: factors that keep an
+  // Elimination each; 0: nothing is reserved.
+  PivotMemory(std::int32_t n, int lanes, std::size_t holders);
+  [[nodiscard]] bool is_reserved() const { return is_reserved_; }
+
+  // For markowitz_order() and write_program(); what was taken before is free again.
+  [[nodiscard]] std::pmr::memory_resource* anew();
+  // An Elimination that no factors hold.
+  [[nodiscard]] std::shared_ptr<Elimination> program();
+  // Another solver keeps this one: it will not be written again.
+  void give_away(const std::shared_ptr<const Elimination>& program);
+
+ private:
+  [[nodiscard]] std::shared_ptr<Elimination> reserved() const;
+
+  std::int32_t n_;
+  bool is_reserved_;
+  std::vector<std::byte> bytes_;
+  std::pmr::monotonic_buffer_resource temporary_;
+  std::vector<std::shared_ptr<Elimination>> programs_;
+};
 
 }  // namespace assur::lanes

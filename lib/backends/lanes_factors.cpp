@@ -47,9 +47,19 @@ Limits limits(std::int32_t n, Precision precision) {
 Factors::Factors(int lanes, Precision precision)
     : lanes_(lanes), precision_(precision), kernels_(kernels(lanes, precision)) {}
 
+std::size_t Factors::bytes_of_slot() const {
+  return static_cast<std::size_t>(lanes_) * (precision_ == Precision::binary64 ? sizeof(double) : sizeof(float));
+}
+
+void Factors::reserve(std::int32_t unknowns) {
+  if (unknowns > kMostReserved) return;
+  const auto n = static_cast<std::size_t>(unknowns);
+  slots_.reserve((n + 1) * n * bytes_of_slot());
+  work_.reserve(kRightSides * n * bytes_of_slot());
+}
+
 void Factors::set_program(std::shared_ptr<const Elimination> program) {
-  const std::size_t slot =
-      static_cast<std::size_t>(lanes_) * (precision_ == Precision::binary64 ? sizeof(double) : sizeof(float));
+  const std::size_t slot = bytes_of_slot();
   slots_.assign(program->slots * slot, std::byte{0});
   work_.assign(kRightSides * program->n * slot, std::byte{0});
   program_ = std::move(program);

@@ -28,7 +28,9 @@ class Factors {
  public:
   Factors(int lanes, Precision precision);
 
-  // Replaces the Elimination and drops its factors. Only this function allocates memory.
+  // Takes the memory for any Elimination of up to kMostReserved unknowns.
+  void reserve(std::int32_t n);
+  // Replaces the Elimination and drops its factors. Allocates memory unless it is reserved.
   void set_program(std::shared_ptr<const Elimination> program);
   [[nodiscard]] const std::shared_ptr<const Elimination>& program() const { return program_; }
 
@@ -40,6 +42,7 @@ class Factors {
   [[nodiscard]] Figures figures(int lane) const;
 
  private:
+  [[nodiscard]] std::size_t bytes_of_slot() const;
   [[nodiscard]] const void* slots() const { return slots_.data(); }
 
   int lanes_;

@@ -17,7 +17,11 @@ constexpr int kLists = 16;  // rows, and columns, with the fewest entries that a
 // Rows or columns by their number of entries, in doubly linked lists.
 class Buckets {
  public:
-  explicit Buckets(Index n) : first_(idx(n) + 1, -1), next_(idx(n), -1), before_(idx(n), -1), count_(idx(n), -1) {}
+  Buckets(Index n, std::pmr::memory_resource* memory)
+      : first_(idx(n) + 1, -1, memory),
+        next_(idx(n), -1, memory),
+        before_(idx(n), -1, memory),
+        count_(idx(n), -1, memory) {}
 
   [[nodiscard]] Index first(Index count) const { return first_[idx(count)]; }
   [[nodiscard]] Index next(Index i) const { return next_[idx(i)]; }
@@ -40,20 +44,23 @@ class Buckets {
   }
 
  private:
-  std::vector<Index> first_, next_, before_, count_;
+  std::pmr::vector<Index> first_, next_, before_, count_;
 };
 
 // The remaining matrix, and the search for its next pivot.
 class Elimination {
  public:
-  Elimination(const Pattern& pattern, std::span<const double> values, int lanes, std::uint32_t wanted, PivotRule rule);
+  Elimination(const Pattern& pattern, std::span<const double> values, int lanes, std::uint32_t wanted, PivotRule rule,
+              std::pmr::memory_resource* memory);
   Order run();
 
  private:
   struct Row {
-    std::vector<Index> column;
-    std::vector<double> value;    // entries x lanes
-    std::vector<double> largest;  // lanes: max |value|
+    explicit Row(std::pmr::memory_resource* memory) : column(memory), value(memory), largest(memory) {}
+
+    std::pmr::vector<Index> column;
+    std::pmr::vector<double> value;    // entries x lanes
+    std::pmr::vector<double> largest;  // lanes: max |value|
   };
   struct Candidate {
     Index row = -1, entry = -1;
@@ -78,35 +85,41 @@ class Elimination {
   PivotRule rule_;
   std::uint32_t served_;
   std::int64_t products_ = 0;
-  std::vector<Row> rows_;
-  std::vector<std::vector<Index>> columns_;  // rows of each column
+  std::pmr::memory_resource* memory_;
+  std::pmr::vector<Row> rows_;
+  std::pmr::vector<std::pmr::vector<Index>> columns_;  // rows of each column
   Buckets by_row_, by_column_;
-  std::vector<Index> place_;                     // n: index of a column's entry in the current row, or -1
-  std::vector<double> ratio_;                    // lanes
-  std::vector<Index> row_level_, column_level_;  // n
+  std::pmr::vector<Index> place_;                     // n: index of a column's entry in the current row, or -1
+  std::pmr::vector<double> ratio_;                    // lanes
+  std::pmr::vector<Index> row_level_, column_level_;  // n
 };
 
 Elimination::Elimination(const Pattern& pattern, std::span<const double> values, int lanes, std::uint32_t wanted,
-                         PivotRule rule)
+                         PivotRule rule, std::pmr::memory_resource* memory)
     : n_(pattern.n),
       lanes_(static_cast<std::size_t>(lanes)),
       rule_(rule),
       served_(wanted),
-      rows_(idx(n_)),
-      columns_(idx(n_)),
-      by_row_(n_),
-      by_column_(n_),
-      place_(idx(n_), -1),
-      ratio_(lanes_),
-      row_level_(idx(n_)),
-      column_level_(idx(n_)) {
-  std::vector<std::size_t> entries(idx(n_), 0);  // number of entries of each row
+      memory_(memory),
+      rows_(memory),
+      columns_(idx(n_), memory),
+      by_row_(n_, memory),
+      by_column_(n_, memory),
+      place_(idx(n_), -1, memory),
+      ratio_(lanes_, memory),
+      row_level_(idx(n_), memory),
+      column_level_(idx(n_), memory) {
+  std::pmr::vector<std::size_t> entries(idx(n_), 0, memory);  // number of entries of each row
   for (const Index i : pattern.row) ++entries[idx(i)];
+  rows_.reserve(idx(n_));
   for (Index i = 0; i < n_; ++i) {
-    const std::size_t most = std::min(2 * entries[idx(i)], idx(n_));  // usually enough for the fill
-    rows_[idx(i)].column.reserve(most);
-    rows_[idx(i)].value.reserve(most * lanes_);
-    columns_[idx(i)].reserve(2 * idx(pattern.column_start[idx(i) + 1] - pattern.column_start[idx(i)]));
+    const auto most = [&](std::size_t count) {  // twice as many are usually enough for the fill
+      return n_ <= kMostReserved ? idx(n_) : std::min(2 * count, idx(n_));
+    };
+    Row& row = rows_.emplace_back(memory);
+    row.column.reserve(most(entries[idx(i)]));
+    row.value.reserve(most(entries[idx(i)]) * lanes_);
+    columns_[idx(i)].reserve(most(idx(pattern.column_start[idx(i) + 1] - pattern.column_start[idx(i)])));
   }
   for (Index j = 0; j < n_; ++j) {
     for (Index k = pattern.column_start[idx(j)]; k < pattern.column_start[idx(j) + 1]; ++k) {
@@ -133,7 +146,8 @@ void Elimination::measure(Index i) {
 }
 
 Order Elimination::run() {
-  Order order;
+  Order order{std::pmr::vector<Index>(memory_), std::pmr::vector<Index>(memory_)};
+  for (auto* v : {&order.row, &order.column}) v->reserve(idx(n_));
   for (Index k = 0; k < n_; ++k) {
     Candidate pivot = search();
     if (pivot.row < 0) pivot = compromise();
@@ -247,7 +261,7 @@ void Elimination::eliminate(const Candidate& pivot) {
   for (Index j : row.column) {
     if (j != column) by_column_.put(j, static_cast<Index>(columns_[idx(j)].size()));
   }
-  rows_[idx(pivot.row)] = {};
+  rows_[idx(pivot.row)] = Row(memory_);
 }
 
 // Divides, while the factorisation multiplies by a reciprocal, so that equal rows cancel to an exact zero.
@@ -282,9 +296,9 @@ void Elimination::subtract(Index i, Index pivot_row, Index pivot_entry) {
 }  // namespace
 
 Order markowitz_order(const Pattern& pattern, std::span<const double> values, int lanes, std::uint32_t wanted,
-                      PivotRule rule) {
+                      PivotRule rule, std::pmr::memory_resource* memory) {
   if (wanted == 0) return {};
-  return Elimination(pattern, values, lanes, wanted, rule).run();
+  return Elimination(pattern, values, lanes, wanted, rule, memory).run();
 }
 
 }  // namespace assur::lanes

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory_resource>
 #include <span>
 #include <vector>
 
@@ -22,10 +23,13 @@ struct PivotRule {
   bool rook = false;
 };
 
+// Pivots of matrices with at most so many unknowns are chosen in memory that is reserved (PivotMemory).
+inline constexpr std::int32_t kMostReserved = 24;
+
 // A pivot order.
 struct Order {
-  std::vector<std::int32_t> row, column;  // pivot k is at row[k], column[k]; fewer than n if no pivot was left
-  std::uint32_t served = 0;               // bit l: the rule holds for every pivot in lane l
+  std::pmr::vector<std::int32_t> row, column;  // pivot k is at row[k], column[k]; fewer than n if no pivot was left
+  std::uint32_t served = 0;                    // bit l: the rule holds for every pivot in lane l
 
   [[nodiscard]] bool complete(std::int32_t n) const { return row.size() == static_cast<std::size_t>(n); }
 };
@@ -33,9 +37,10 @@ struct Order {
 // Chooses a pivot order. values: nnz x lanes, interleaved; at most 32 lanes. wanted: bit l is set if lane l takes part;
 // its values must be finite. If the lanes have no common pivot that satisfies the rule, the entry that is largest in
 // its worst lane is taken; if it is almost zero, the entry that serves most lanes, and the other lanes are given up.
-// Allocates memory, and takes the time of a few hundred factorisations of a sparse matrix. Throws Error (environment)
-// if there are more than kMostProducts.
+// Takes memory from `memory`, and the time of a few hundred factorisations of a sparse matrix. Throws Error
+// (environment) if there are more than kMostProducts.
 [[nodiscard]] Order markowitz_order(const Pattern& pattern, std::span<const double> values, int lanes,
-                                    std::uint32_t wanted, PivotRule rule);
+                                    std::uint32_t wanted, PivotRule rule,
+                                    std::pmr::memory_resource* memory = std::pmr::get_default_resource());
 
 }  // namespace assur::lanes

@@ -48,10 +48,11 @@ class GroupSolver {
   [[nodiscard]] Status solve(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters,
                              StepErrors& errors);
 
-  // The block of a pack that is nearest to a singular posture (dense SVD; allocates).
-  [[nodiscard]] Singularity diagnose(const Pack& pack, double* const (&state)[3]) {
-    return nearest_singularity(work_, guard_.blocks(), pack, state);
+  // The block of a pack that is nearest to a singular posture; the memory must be reserved for it.
+  void diagnose(const Pack& pack, double* const (&state)[3], DiagnosisMemory& memory, Singularity& into) {
+    nearest_singularity(work_, guard_.blocks(), pack, state, memory, into);
   }
+  void reserve(DiagnosisMemory& memory) const { memory.reserve(work_, guard_.blocks()); }
 
   // The step of all groups of the class at once, W of them in a pack. computed: see make_together_step().
   [[nodiscard]] std::unique_ptr<TogetherStep> together_step(std::span<const std::uint8_t> computed, int lanes) const {

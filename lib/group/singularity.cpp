@@ -4,37 +4,153 @@
 #include <cmath>
 
 #include "decompositions.hpp"
+#include "numbers.hpp"
 
 namespace assur {
 namespace {
 
 constexpr double kFold = 30;  // a larger ratio of velocity to input velocity near a singularity indicates a fold
+constexpr std::int32_t kLargestBlock = 400;  // unknowns; larger blocks would take minutes
+constexpr int kInverseIterations = 32;
+
+using DenseVector = Eigen::Map<Eigen::VectorXd>;
+
+DenseVector vector_of(std::vector<double>& memory, Eigen::Index n) { return {memory.data(), n}; }
+
+// The largest and the smallest singular value of a square matrix A = U B V', which is overwritten. B has a diagonal and
+// a row of entries above it.
+class SingularValues {
+ public:
+  SingularValues(DiagnosisMemory& memory, Eigen::Index n)
+      : n_(n),
+        a_(memory.matrix.data(), n, n),
+        diagonal_(vector_of(memory.diagonal, n)),
+        above_(vector_of(memory.beside, n)),
+        left_(vector_of(memory.vector, n)),
+        image_(vector_of(memory.image, n)),
+        spare_(memory.spare.data()) {
+    make_bidiagonal();
+    if (!diagonal_.allFinite() || !above_.allFinite()) return;
+    largest = value(n, diagonal_.lpNorm<Eigen::Infinity>() + above_.lpNorm<Eigen::Infinity>());
+    smallest = value(1, largest);
+  }
+
+  double largest = kNan, smallest = kNan;
+
+  // Part of g, which is overwritten, along the left singular vector of the smallest value.
+  [[nodiscard]] double along_smallest(DenseVector g) {
+    for (Eigen::Index k = 0; k < n_; ++k) {
+      g.tail(n_ - k).applyHouseholderOnTheLeft(a_.col(k).tail(n_ - k - 1), a_(k, k), spare_);
+    }
+    find_left_vector();
+    return left_.dot(g);
+  }
+
+ private:
+  // Householder's reflections (Golub and Van Loan, Matrix Computations, 5.4.8). Those from the left stay below the
+  // diagonal, their factors on it.
+  void make_bidiagonal() {
+    above_[n_ - 1] = 0;
+    for (Eigen::Index k = 0; k < n_; ++k) {
+      const Eigen::Index more = n_ - k - 1;
+      a_.col(k).tail(more + 1).makeHouseholderInPlace(a_(k, k), diagonal_[k]);
+      if (more == 0) break;
+      a_.bottomRightCorner(more + 1, more).applyHouseholderOnTheLeft(a_.col(k).tail(more), a_(k, k), spare_);
+      a_.row(k).tail(more).makeHouseholderInPlace(a_(k, k + 1), above_[k]);
+      a_.bottomRightCorner(more, more)
+          .applyHouseholderOnTheRight(a_.row(k).tail(more - 1).transpose(), a_(k, k + 1), spare_);
+    }
+  }
+
+  // The number of singular values below x: by the pivots of [0 B; B' 0] - x, whose rows can be ordered so that the
+  // entries of B lie beside a diagonal of zeros (Golub and Kahan 1965).
+  [[nodiscard]] Eigen::Index below(double x) const {
+    Eigen::Index negative = 0;
+    double pivot = -x;
+    for (Eigen::Index i = 0;; ++i) {
+      if (std::abs(pivot) < kLeastPivot) pivot = -kLeastPivot;
+      if (pivot < 0) ++negative;
+      if (i == 2 * n_ - 1) return negative - n_;
+      const double entry = i % 2 == 0 ? diagonal_[i / 2] : above_[i / 2];
+      pivot = -x - entry * entry / pivot;
+    }
+  }
+
+  // The k-th singular value, counted from the smallest one, by bisection.
+  [[nodiscard]] double value(Eigen::Index k, double most) const {
+    double least = 0;
+    while (most - least > kEps * most && most > kLeastPivot) {
+      const double middle = least + (most - least) / 2;
+      if (middle == least || middle == most) break;
+      (below(middle) >= k ? most : least) = middle;
+    }
+    return most;
+  }
+
+  // Inverse iteration with B B'.
+  void find_left_vector() {
+    const double least = kEps * kEps * largest;
+    const auto pivot = [&](Eigen::Index i) { return std::abs(diagonal_[i]) > least ? diagonal_[i] : least; };
+    left_.setConstant(1);
+    for (int k = 0; k < kInverseIterations; ++k) {
+      left_.normalize();
+      for (Eigen::Index i = n_ - 1; i >= 0; --i) {
+        image_[i] = (left_[i] - (i + 1 < n_ ? above_[i] * image_[i + 1] : 0)) / pivot(i);
+      }
+      image_.normalize();
+      for (Eigen::Index i = 0; i < n_; ++i) {
+        left_[i] = (image_[i] - (i > 0 ? above_[i - 1] * left_[i - 1] : 0)) / pivot(i);
+      }
+    }
+    left_.normalize();
+  }
+
+  static constexpr double kLeastPivot = 1e-290;
+
+  Eigen::Index n_;
+  Eigen::Map<Eigen::MatrixXd> a_;
+  DenseVector diagonal_, above_, left_, image_;
+  double* spare_;
+};
 
 // Norm of the gradient of an equation in one lane, over the unknowns and the inputs that its block reads. A block of
 // one unknown has only one singular value, which is small or large against this norm.
-double norm_of_gradient(Workspace& work, std::int32_t equation, std::span<const std::int32_t> reads, int lane) {
+double norm_of_gradient(Workspace& work, std::int32_t equation, std::span<const std::int32_t> reads, int lane,
+                        DiagnosisMemory& memory) {
   const std::size_t w = idx(work.lanes), at = idx(equation) * w + idx(lane);
   const Pattern& pattern = work.program.pattern;
   double norm = 0;
   for (std::size_t k = 0; k < pattern.row.size(); ++k) {
     if (pattern.row[k] == equation) norm = std::hypot(norm, work.jacobian[k * w + idx(lane)]);
   }
-  LaneArray rates(work.input_rates.size()), rhs(work.rhs.size());
+  memory.rates.assign(work.input_rates.size(), 0.0);
+  memory.rhs.assign(work.rhs.size(), 0.0);
   for (const std::int32_t read : reads) {
     if (read < work.program.n) continue;
-    const std::size_t input = idx(read - work.program.n) * w;
-    std::fill_n(rates.begin() + static_cast<std::ptrdiff_t>(input), w, 1.0);
-    work.evaluator->velocity_rhs(rates.data(), rhs.data());
-    std::fill_n(rates.begin() + static_cast<std::ptrdiff_t>(input), w, 0.0);
-    norm = std::hypot(norm, rhs[at]);
+    const auto input = memory.rates.begin() + static_cast<std::ptrdiff_t>(idx(read - work.program.n) * w);
+    std::fill_n(input, w, 1.0);
+    work.evaluator->velocity_rhs(memory.rates.data(), memory.rhs.data());
+    std::fill_n(input, w, 0.0);
+    norm = std::hypot(norm, memory.rhs[at]);
   }
   return norm;
 }
 
 }  // namespace
 
-Singularity nearest_singularity(Workspace& work, const BlockConditions& blocks, const Pack& pack,
-                                double* const (&state)[3]) {
+void DiagnosisMemory::reserve(const Workspace& work, const BlockConditions& blocks) {
+  for (std::int32_t b = 0; b < work.program.blocks; ++b) {
+    const std::size_t n = blocks.size(b) > kLargestBlock ? 0 : idx(blocks.size(b));
+    matrix.resize(std::max(matrix.size(), n * n));
+    for (auto* v : {&diagonal, &beside, &right_side, &vector, &image, &spare}) v->resize(std::max(v->size(), n));
+    most_read = std::max(most_read, blocks.reads(b).size());
+  }
+  rates.reserve(work.input_rates.size());
+  rhs.reserve(work.rhs.size());
+}
+
+void nearest_singularity(Workspace& work, const BlockConditions& blocks, const Pack& pack, double* const (&state)[3],
+                         DiagnosisMemory& memory, Singularity& into) {
   const std::size_t w = idx(work.lanes);
   work.set_inputs(pack, state[0]);
   work.evaluate(state[0] + pack.unknowns);
@@ -58,42 +174,41 @@ Singularity nearest_singularity(Workspace& work, const BlockConditions& blocks, 
       largest = std::max(largest, std::abs(work.input_rates[i]));
     return largest;
   };
-  Singularity nearest;
-  Status& worst = nearest.status = pack.failed(Code::branch_unknown, 1.0, 0);
-  std::vector<double> matrix;
+  Status& worst = into.status = pack.failed(Code::branch_unknown, 1.0, 0);
+  into.block = -1;
+  into.lane = 0;
+  into.smallest = 0;
+  into.reads.clear();
   for (int lane = 0; lane < pack.used; ++lane) {
     for (std::int32_t b = 0; b < work.program.blocks; ++b) {
-      const auto n = static_cast<Eigen::Index>(blocks.size(b));
-      if (n > 400) continue;  // minutes for a dense SVD
-      matrix.resize(static_cast<std::size_t>(n * n));
-      blocks.extract(work.jacobian.data(), b, lane, matrix);
-      const Eigen::BDCSVD<Eigen::MatrixXd> svd(Eigen::Map<const Eigen::MatrixXd>(matrix.data(), n, n),
-                                               Eigen::ComputeFullU);
+      const Eigen::Index n = blocks.size(b);
+      if (n > kLargestBlock) continue;
+      blocks.extract(work.jacobian.data(), b, lane, memory.matrix);
+      SingularValues values(memory, n);
       const double largest =
-          n > 1 ? svd.singularValues()[0] : norm_of_gradient(work, blocks.equations(b)[0], blocks.reads(b), lane);
-      const double ratio = svd.singularValues()[n - 1] / largest;
+          n > 1 ? values.largest : norm_of_gradient(work, blocks.equations(b)[0], blocks.reads(b), lane, memory);
+      const double ratio = values.smallest / largest;
       if (!(ratio < worst.figure)) continue;
       worst = pack.failed(Code::branch_unknown, ratio, lane);
-      nearest.block = b;
-      nearest.lane = lane;
-      nearest.smallest = svd.singularValues()[n - 1];
+      into.block = b;
+      into.lane = lane;
+      into.smallest = values.smallest;
       if (ratio > 0.05) continue;
       // Towards a fold the velocity along the null vector grows like 1/sigma; at a change point it stays bounded.
-      Eigen::VectorXd g(n);
+      DenseVector g = vector_of(memory.right_side, n);
       for (Eigen::Index i = 0; i < n; ++i)
         g[i] = work.rhs[idx(blocks.equations(b)[static_cast<std::size_t>(i)]) * w + idx(lane)];
-      const double velocity = std::abs(svd.matrixU().col(n - 1).dot(g)) / svd.singularValues()[n - 1];
+      const double velocity = std::abs(values.along_smallest(g)) / values.smallest;
       worst.code = velocity > kFold * input_rate(idx(lane)) ? Code::limit_reached : Code::change_point_passed;
     }
   }
-  if (nearest.block < 0) return nearest;
-  for (const std::int32_t c : blocks.reads(nearest.block)) {
+  if (into.block < 0) return;
+  for (const std::int32_t c : blocks.reads(into.block)) {
     const bool unknown = c < work.program.n;
-    if (unknown && work.program.unknown_block[idx(c)] == nearest.block) continue;
-    const std::size_t at = idx(unknown ? c : c - work.program.n) * w + idx(nearest.lane);
-    nearest.reads.push_back(unknown ? state[0][pack.unknowns + at] : work.inputs[at]);
+    if (unknown && work.program.unknown_block[idx(c)] == into.block) continue;
+    const std::size_t at = idx(unknown ? c : c - work.program.n) * w + idx(into.lane);
+    into.reads.push_back(unknown ? state[0][pack.unknowns + at] : work.inputs[at]);
   }
-  return nearest;
 }
 
 }  // namespace assur

@@ -1,6 +1,7 @@
 // Diagnosis of a pack that cannot go on: the block that is nearest to a singular posture, and the type of the posture.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -20,8 +21,21 @@ struct Singularity {
   std::vector<double> reads;  // inputs of the block, internal units
 };
 
-// By dense SVDs; allocates. state[d]: d-th derivative of all coordinates.
-[[nodiscard]] Singularity nearest_singularity(Workspace& work, const BlockConditions& blocks, const Pack& pack,
-                                              double* const (&state)[3]);
+// Memory of diagnoses.
+struct DiagnosisMemory {
+  std::vector<double> matrix;                            // of a block
+  std::vector<double> diagonal, beside;                  // of its bidiagonal form
+  std::vector<double> right_side, vector, image, spare;  // its unknowns
+  LaneArray rates, rhs;
+  std::size_t most_read = 0;  // inputs of a block
+
+  // For all blocks of a class.
+  void reserve(const Workspace& work, const BlockConditions& blocks);
+};
+
+// Allocates nothing if `memory` is reserved for the class, and into.reads for DiagnosisMemory::most_read. state[d]:
+// d-th derivative of all coordinates.
+void nearest_singularity(Workspace& work, const BlockConditions& blocks, const Pack& pack, double* const (&state)[3],
+                         DiagnosisMemory& memory, Singularity& into);
 
 }  // namespace assur

@@ -43,10 +43,11 @@ std::string start_beside(const System& system, double time) {
 
 }  // namespace
 
-Continuation::Continuation(const Prepared& prepared, const StepLimits& limits, Report& report)
+Continuation::Continuation(const Prepared& prepared, const StepLimits& limits, Report& report, EventLog& events)
     : prepared_(prepared),
       limits_(limits),
       report_(report),
+      events_(events),
       structure_(*prepared.structure),
       system_(*structure_.system),
       inputs_(system_, prepared.controlled),
@@ -66,6 +67,10 @@ Continuation::Continuation(const Prepared& prepared, const StepLimits& limits, R
     limit_watch_.emplace(system_, layout_.address);
     follow(limit_watch_->turns());
   }
+  for (const auto& solver : layout_.solvers) solver->reserve(diagnosis_);
+  here_.reads.reserve(diagnosis_.most_read);
+  approach_.reserve(diagnosis_.most_read);
+  state_.reserve(way_over_);
   passing_.assign(packs_.size(), 0);
   passed_ = passing_;
   lacks_rates_ = std::any_of(structure_.classes.begin(), structure_.classes.end(),
@@ -121,7 +126,8 @@ void Continuation::start(double time, const std::vector<double>& posture, const 
       if (at_fault == packs_.size()) return false;
       double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
       Pack& pack = packs_[at_fault];
-      return levels_.solver(pack).diagnose(pack, q).status.code == Code::change_point_passed;
+      levels_.solver(pack).diagnose(pack, q, diagnosis_, here_);
+      return here_.status.code == Code::change_point_passed;
     };
     const std::string group = s.where.is(Place::Kind::group) ? " in group " + structure_.name_of(s.where) : "";
     throw Error(Error::Kind::numerical,
@@ -131,6 +137,7 @@ void Continuation::start(double time, const std::vector<double>& posture, const 
                      : branches_cross()       ? start_beside(system_, now_)
                                               : "; the Jacobian is singular there, start elsewhere on the path"));
   }
+  if (together_) together_->reserve(state_.at(0));
   for (AngleTurns* const turns : turns_) turns->start(state_.at(0));
   turn_guessed_ = false;
   accept(now_, errors);
@@ -425,15 +432,12 @@ Status Continuation::check_levers(std::size_t begin, std::size_t end, double sec
 
 // Records the driver or redundant equation that stopped the motion.
 void Continuation::tell(const Status& stopped, double target) {
-  Event event{now_, target, "", stopped.code, stopped.figure};
+  Noticed event{now_, target, stopped.where, stopped.code, stopped.figure};
   if (stopped.code == Code::inconsistent) {
+    event.watched = static_cast<std::int32_t>(watch_->worst());
     const Watched& of = structure_.watched[watch_->worst()];
-    event.group = of.name;
     event.figure = watch_->violation(state_.at(0)) * system_.unit(of.is_length ? 1 : 0);
-    event.unit = of.is_length ? "m" : "";
-  } else if (stopped.code == Code::actuator_zero) {
-    event.group = system_.drivers[idx(stopped.where.index)];
-  } else {
+  } else if (stopped.code != Code::actuator_zero) {
     return;
   }
   record(std::move(event), std::abs(target - now_));
@@ -524,11 +528,11 @@ Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
     ++report_.counters.rejected;
     ++in_a_row;
     if (rejected_ >= kMostRejected) {
-      record({now_, target, structure_.name_of(s.where), Code::branch_unknown, s.figure}, std::abs(t - target));
+      record({now_, target, only_group(s.where), Code::branch_unknown, s.figure}, std::abs(t - target));
       return {Code::branch_unknown, s.where, s.figure};
     }
     // Close to a singularity of the solved equations, the watched equations fail first.
-    if (s.code == Code::inconsistent && may_choose_anew(may_reselect, first)) {
+    if (s.code == Code::inconsistent && may_choose_anew(may_reselect, first) && another_set_may_help()) {
       wants_reselection_ = true;
       return s;
     }
@@ -542,7 +546,7 @@ Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
       stride.set(std::abs(target - now_) / 2);
       continue;
     }
-    if (!vanished_ && may_choose_anew(may_reselect, first)) {
+    if (!vanished_ && may_choose_anew(may_reselect, first) && another_set_may_help()) {
       wants_reselection_ = true;
       return s;
     }
@@ -594,7 +598,7 @@ Status Continuation::check_aim(double t) {
   double value = 0;
   const std::int32_t driver = inputs_.not_finite(value);
   if (driver < 0) return {};
-  record({now_, t, inputs_.controls()[idx(driver)].name, Code::not_finite, value}, std::abs(t - now_));
+  record({now_, t, Place::target(driver), Code::not_finite, value}, std::abs(t - now_));
   inputs_.drop_pending();
   return {Code::not_finite, Place::target(driver), value};
 }
@@ -602,6 +606,11 @@ Status Continuation::check_aim(double t) {
 // No set is chosen again close to the last choice: near a fold no set helps, and sets would alternate.
 bool Continuation::may_choose_anew(bool asked, double first) const {
   return asked && prepared_.reselect && !(std::abs(now_ - selected_at_) <= kPassed * first);
+}
+
+// At a fold of all equations the chosen ones are as good as any others, and choosing takes memory and time.
+bool Continuation::another_set_may_help() {
+  return !independence_ || !(independence_->largest_coefficient(state_.accepted(0)) <= poor_);
 }
 
 // Within the ball of an anchor the inverse of the Jacobian, and with it the coefficients, grow at most by the factor

@@ -17,7 +17,9 @@
 #include "assur/simulator.hpp"
 #include "group/step_rules.hpp"
 #include "numbers.hpp"
+#include "path/approach.hpp"
 #include "path/bows.hpp"
+#include "path/event_log.hpp"
 #include "path/independence.hpp"
 #include "path/layout.hpp"
 #include "path/levels.hpp"
@@ -49,9 +51,9 @@ struct Stride {
 // The motion of one mechanism.
 class Continuation {
  public:
-  // All arguments must outlive it. It adds counters, errors and events to the report.
+  // All arguments must outlive it. It adds counters and errors to the report.
   // Throws Error (environment) if a backend of the plan cannot run here.
-  Continuation(const Prepared& prepared, const StepLimits& limits, Report& report);
+  Continuation(const Prepared& prepared, const StepLimits& limits, Report& report, EventLog& events);
 
   // Signed angles that follow the postures from start() on; must outlive the continuation.
   void follow(AngleTurns& turns) {
@@ -123,9 +125,11 @@ class Continuation {
   [[nodiscard]] bool deadline_passed() const { return limits_.seconds > 0 && clock_() > deadline_; }
   [[nodiscard]] Status late() const { return {Code::deadline, {}, limits_.seconds}; }
 
-  // Later events may join those of the report from this one on.
-  [[nodiscard]] std::size_t events_joined_from() const { return joined_from_; }
-  void join_events_from(std::size_t first) { joined_from_ = first; }
+  // Later events may join earlier ones from this position on.
+  [[nodiscard]] std::int64_t events_joined_from() const { return joined_from_; }
+  void join_events_from(std::int64_t first) { joined_from_ = first; }
+  // An event of this motion with its texts, also of a continuation that this one replaced.
+  [[nodiscard]] Event in_words(const Noticed& event) const;
 
   // Rejected attempts at the current step. After 10,000 the step fails as branch_unknown. The first part of a step
   // begins to count at 0; further parts continue.
@@ -205,8 +209,9 @@ class Continuation {
   void begin_limits(const Continuation* before);
   [[nodiscard]] Status turned_unseen(AngleTurns::Way way);
   [[nodiscard]] bool may_choose_anew(bool asked, double first) const;
+  [[nodiscard]] bool another_set_may_help();
   [[nodiscard]] Status at_the_limit(const Status& failed, double target, double t, double first);
-  [[nodiscard]] bool turns_back(Singularity here);
+  [[nodiscard]] bool turns_back();
   [[nodiscard]] std::pair<double, double> fold_between(double target, double t);
   [[nodiscard]] bool pass(double target, double t, double first);
   [[nodiscard]] bool is_avoided(double h, double first);
@@ -215,11 +220,14 @@ class Continuation {
   [[nodiscard]] bool find_limit(double t, double reach, double smallest, std::vector<PackLimit>& limits);
   void drop_limit();
   [[nodiscard]] bool walk(double until, double h, double change);
-  void record(Event event, double step);
+  [[nodiscard]] const std::string& name_of(const Noticed& event) const;
+  [[nodiscard]] Noticed about_limit(const LimitWatch::Change& change) const;
+  void record(Noticed event, double step);
 
   const Prepared& prepared_;
   const StepLimits& limits_;
   Report& report_;
+  EventLog& events_;
   const Structure& structure_;
   const System& system_;
   Inputs inputs_;
@@ -255,8 +263,10 @@ class Continuation {
   bool turn_guessed_ = false;
   double turned_ = 0;    // length of the step that was tried over the largest allowed one, by turns and bows
   double shortest_ = 0;  // length of the shortest attempt at this step, until its failure is examined
-  // Postures of this step at which failures were examined; the postures of one block approach a singular posture.
-  std::vector<Singularity> approach_;
+  DiagnosisMemory diagnosis_;
+  Singularity here_;  // the last diagnosis
+  Approach approach_;
+  State::Way way_over_;            // a change point
   double largest_correction_ = 0;  // of a step through a change point, relative to the predicted move
   std::function<void()> before_dividing_;
   bool divided_ = false;  // the current step was divided, or it failed
@@ -273,7 +283,7 @@ class Continuation {
   bool vanished_ = false;  // a lever vanished in the last attempt
   Clock clock_ = &std::chrono::steady_clock::now;
   std::chrono::steady_clock::time_point deadline_ = std::chrono::steady_clock::time_point::max();
-  std::size_t joined_from_ = 0;
+  std::int64_t joined_from_ = 0;
 };
 
 }  // namespace assur

@@ -76,7 +76,16 @@ void Independence::collect(const Structure& structure) {
     const auto n = static_cast<Eigen::Index>(unit.unknowns.size());
     unit.jacobian.resize(n, n);
     unit.right.resize(n);
+    unit.lu = Eigen::PartialPivLU<Eigen::MatrixXd>(n);
+    for (Row& row : unit.rows) reserve(row);
   }
+  for (Row& row : dropped_) reserve(row);
+}
+
+void Independence::reserve(Row& row) const {
+  std::vector<Index> mentioned;
+  system_.mentioned(row.equation, mentioned);
+  row.entries.reserve(mentioned.size());
 }
 
 void Independence::keep_those_behind() {

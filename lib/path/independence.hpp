@@ -29,7 +29,6 @@ class Independence {
   [[nodiscard]] bool empty() const { return dropped_.empty(); }
 
   // Largest |c_i| of all watched equations at a posture; infinite if the solved equations are dependent there.
-  // Allocates in its first call only.
   [[nodiscard]] double largest_coefficient(const double* q);
 
  private:
@@ -45,6 +44,7 @@ class Independence {
   struct Unit;  // equations and unknowns that are solved together: an irreducible block of a group
   void collect(const Structure& structure);
   void keep_those_behind();
+  void reserve(Row& row) const;
   [[nodiscard]] bool in_solving_order();
   void differentiate(Row& row);
   [[nodiscard]] bool factorize(Unit& unit);

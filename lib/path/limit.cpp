@@ -48,15 +48,11 @@ double least_value(const Singularity& far, const Singularity& middle, const Sing
   return bend > 0 ? near.smallest - slope * slope / (4 * bend) : -kInfinity;
 }
 
-// True if the singular value of this block reaches zero ahead, by the last four postures that approached it. Close to a
+// True if the singular value of the block reaches zero ahead, by the last four postures that approached it. Close to a
 // cusp, turns_back() would see this only in postures that rounding does not allow.
-bool falls_to_zero(const std::vector<Singularity>& approach, const Status& where, std::int32_t block) {
-  std::vector<const Singularity*> of_block;
-  for (const Singularity& o : approach) {
-    if (o.status.where == where.where && o.block == block) of_block.push_back(&o);
-  }
-  if (of_block.size() < 4) return false;
-  const auto* const* const last = of_block.data() + of_block.size() - 4;
+bool falls_to_zero(const Approach& approach, const Singularity& of) {
+  const auto last = approach.last<4>(of);
+  if (last[0] == nullptr) return false;
   const double before = least_value(*last[0], *last[1], *last[2]), now = least_value(*last[1], *last[2], *last[3]);
   return now == -kInfinity || now + std::abs(now - before) < 0;
 }
@@ -81,13 +77,11 @@ Status Continuation::at_the_limit(const Status& failed, double target, double t,
   any_turn_ = true;
   Pack& pack = packs_[failed_pack_];
   double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
-  Singularity nearest = levels_.solver(pack).diagnose(pack, q);
-  Status found = nearest.status;
+  levels_.solver(pack).diagnose(pack, q, diagnosis_, here_);
+  Status found = here_.status;
   const double least = std::max(first * (kLeast / kSmallestStep), kResolved * std::max(std::abs(now_), std::abs(t)));
   const bool shorter = kShorter * shortest_ >= least;
-  const std::int32_t block = nearest.block;
-  if (found.code == Code::limit_reached && !turns_back(std::move(nearest)) &&
-      (shorter || !falls_to_zero(approach_, found, block))) {
+  if (found.code == Code::limit_reached && !turns_back() && (shorter || !falls_to_zero(approach_, here_))) {
     found.code = Code::branch_unknown;
   }
   // Close to a change point, rounding would choose one of the branches.
@@ -109,7 +103,7 @@ Status Continuation::at_the_limit(const Status& failed, double target, double t,
   if (passed && on_change_point() && std::abs(beyond_ - from) > std::abs(until - from)) until = beyond_;
   if (found.code == Code::limit_reached) std::tie(from, until) = fold_between(target, t);
   any_turn_ = false;
-  record({from, until, structure_.name_of(found.where.is(Place::Kind::group) ? found.where : failed.where), found.code,
+  record({from, until, only_group(found.where.is(Place::Kind::group) ? found.where : failed.where), found.code,
           found.figure},
          std::abs(t - until));
   if (!passed) return found;
@@ -121,21 +115,13 @@ Status Continuation::at_the_limit(const Status& failed, double target, double t,
 // fold the unknowns turn back like s* - s = y^2, and the square of the smallest singular value falls in proportion to
 // the way of the inputs s: the slopes between three postures are equal. Otherwise, as for s = y^3 + e y, it falls ever
 // more slowly, at least as slowly as for e = 0.
-bool Continuation::turns_back(Singularity here) {
-  const auto same = [&](const Singularity& o) {  // other blocks may fail in between
-    return o.status.where == here.status.where && o.block == here.block;
-  };
-  std::erase_if(approach_, [&](const auto& o) { return same(o) && o.smallest <= here.smallest; });
-  std::vector<const Singularity*> nearer;
-  approach_.reserve(approach_.size() + 1);
-  for (const auto& o : approach_) {
-    if (same(o)) nearer.push_back(&o);
-  }
-  if (!nearer.empty() && nearer.back()->smallest < kNearer * here.smallest) return false;
-  nearer.push_back(&approach_.emplace_back(std::move(here)));
-  if (nearer.size() < 3) return false;
-  const auto *const last = nearer.back(), *const middle = nearer[nearer.size() - 2],
-                    *const first = nearer[nearer.size() - 3];
+bool Continuation::turns_back() {
+  approach_.drop_behind(here_);
+  const Singularity* const nearest = approach_.last<1>(here_)[0];
+  if (nearest != nullptr && nearest->smallest < kNearer * here_.smallest) return false;
+  approach_.add(here_);
+  const auto [first, middle, last] = approach_.last<3>(here_);
+  if (first == nullptr) return false;
   const auto fall = [](const auto& far, const auto& near) {
     return far->smallest * far->smallest - near->smallest * near->smallest;
   };
@@ -166,7 +152,8 @@ bool Continuation::is_avoided(double h, double first) {
     if (!same) break;
     Pack& pack = packs_[at_fault];
     double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
-    const Singularity here = levels_.solver(pack).diagnose(pack, q);
+    levels_.solver(pack).diagnose(pack, q, diagnosis_, here_);
+    const Singularity& here = here_;
     if (here.status.figure < kLookedAt) continue;
     if (looks == 0) block = here.block;
     same = here.block == block;
@@ -190,23 +177,6 @@ bool Continuation::is_avoided(double h, double first) {
   };
   const double nearer = least(0), farther = least(1);
   return nearer > std::abs(farther - nearer) + kSeen * kSeen;
-}
-
-// Joins an event with the last one if both belong to the same change point. The same failure in the next step replaces
-// the last one: the bracket of its time belongs to one way only.
-void Continuation::record(Event event, double step) {
-  if (report_.events.size() > joined_from_) {
-    Event& before = report_.events.back();
-    if (before.kind == event.kind && before.group == event.group && std::abs(event.time - before.until) <= step) {
-      if (event.kind == Code::change_point_passed) {
-        event.time = before.time;
-        event.figure = std::min(before.figure, event.figure);
-      }
-      before = std::move(event);
-      return;
-    }
-  }
-  report_.events.push_back(std::move(event));
 }
 
 // Times around a fold. Steps end a little before it, where the ball around the posture shrinks to nothing. It lies
@@ -270,13 +240,13 @@ bool Continuation::pass_by(double reach, double smallest, double to) {
   const std::size_t at_its_change_point = failed_pack_;
   const double change = now_;
   bool passed = false, walked = std::abs(to - change) >= kApart * std::abs(reach);
-  State::Way way;
+  way_over_.count = 0;
   for (const double part : {1.0 / 4, 2.0 / 4, 3.0 / 4, 1.0}) {
     walked = walked && walk(change - part * reach, smallest, change);
-    if (walked) state_.keep(way);
+    if (walked) state_.keep(way_over_);
   }
   if (walked) {
-    over_ = &way;
+    over_ = &way_over_;
     passing_[at_its_change_point] = 1;
     largest_correction_ = kSureOfBranch * (to - change) / (to - now_);
     for (std::size_t more = 0; more < packs_.size() && !passed; ++more) {

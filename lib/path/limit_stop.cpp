@@ -18,7 +18,7 @@ void Continuation::begin_limits(const Continuation* before) {
       throw Error(Error::Kind::numerical, "the start posture violates a limit: " + limit_watch_->describe(i) +
                                               "; start elsewhere, or give the limit the reaction \"flag\"");
     }
-    report_.events.push_back(limit_watch_->event(outside));
+    events_.add(about_limit(outside));
   }
 }
 
@@ -34,7 +34,7 @@ Status Continuation::check_limits(double target, StepErrors& errors) {
   }
   if (!may_change) return {};
   undo_attempt();
-  const std::vector<LimitWatch::Change> changes = limit_watch_->changes([&](double t) -> const double* {
+  const std::span<const LimitWatch::Change> changes = limit_watch_->changes([&](double t) -> const double* {
     predict(t);
     StepErrors ignored;
     return solve_at(t, Attempt::Branch::anywhere, ignored).ok() ? state_.at(0) : nullptr;
@@ -52,7 +52,7 @@ Status Continuation::check_limits(double target, StepErrors& errors) {
     if (s.ok() && ends) accept(to, errors);
   }
   if (!ends && !s.ok()) return s;
-  for (const LimitWatch::Change& c : changes) report_.events.push_back(limit_watch_->event(c));
+  for (const LimitWatch::Change& c : changes) events_.add(about_limit(c));
   return ends ? limit_watch_->status(changes.back()) : Status{};
 }
 
@@ -62,8 +62,8 @@ Status Continuation::check_limits_passed(double change) {
   const double to = now_;
   const double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
   if (limit_watch_->may_change(q, to)) {
-    const std::vector<LimitWatch::Change> changes = limit_watch_->changes([](double) { return nullptr; });
-    for (const LimitWatch::Change& c : changes) report_.events.push_back(limit_watch_->event(c));
+    const std::span<const LimitWatch::Change> changes = limit_watch_->changes([](double) { return nullptr; });
+    for (const LimitWatch::Change& c : changes) events_.add(about_limit(c));
     if (!changes.empty() && limit_watch_->ends(changes.back())) {
       passes_ = true;
       (void)walk(change, to - change, change);

@@ -20,7 +20,8 @@ constexpr double kHidden = 0x1p-14;
 constexpr double kResolved = 16 * kEps;  // width of a bracket, relative to the time
 constexpr double kNarrow = 0x1p-26;      // error of the place of an extremum, relative to the step
 constexpr int kMostProbes = 200;
-constexpr std::size_t kJet = 3;  // columns of one quantity
+constexpr std::size_t kJet = 3;                                                              // columns of one quantity
+constexpr std::size_t kMostSamples = std::tuple_size_v<decltype(Quintic::Extrema::at)> + 2;  // of one step
 
 // Halves a polynomial of degree 4 in Bernstein form; `d` becomes its first half.
 std::array<double, 5> halve(std::array<double, 5>& d) {
@@ -110,6 +111,7 @@ LimitWatch::LimitWatch(const System& system, std::span<const std::int32_t> addre
   divisors_.resize(outputs_.measures());
   for (auto* row : {&now_, &next_, &probe_}) row->resize(kJet * outputs.size());
   values_.resize(outputs.size());
+  found_.reserve(sides_.size() * (kMostSamples - 1));
 }
 
 // Reads a row. Angles get the turns that bring them closest to those of the row `near`.
@@ -206,9 +208,9 @@ bool LimitWatch::hides_change(double times) const {
   return false;
 }
 
-std::vector<LimitWatch::Change> LimitWatch::changes(const std::function<const double*(double)>& solve) {
+std::span<const LimitWatch::Change> LimitWatch::changes(const std::function<const double*(double)>& solve) {
   const double h = next_time_ - now_time_;
-  std::vector<Change> found;
+  found_.clear();
   for (std::size_t i = 0; i < sides_.size(); ++i) {
     const std::size_t column = sides_[i].column;
     const Quintic polynomial = way(i);
@@ -216,11 +218,13 @@ std::vector<LimitWatch::Change> LimitWatch::changes(const std::function<const do
     struct Sample {
       double time, excess;
     };
-    std::vector<Sample> samples = {{now_time_, excess(i, now_[column])}};
+    std::array<Sample, kMostSamples> at{};
+    at[0] = {now_time_, excess(i, now_[column])};
     for (std::size_t k = 0; k < extrema.count; ++k) {
-      samples.push_back({now_time_ + h * extrema.at[k], excess(i, polynomial.at(extrema.at[k]))});
+      at[k + 1] = {now_time_ + h * extrema.at[k], excess(i, polynomial.at(extrema.at[k]))};
     }
-    samples.push_back({next_time_, excess(i, next_[column])});
+    at[extrema.count + 1] = {next_time_, excess(i, next_[column])};
+    const std::span<Sample> samples = std::span(at).first(extrema.count + 2);
     const auto changes = [](const Sample& a, const Sample& b) { return (a.excess > 0) != (b.excess > 0); };
     if (std::adjacent_find(samples.begin(), samples.end(), changes) == samples.end()) continue;
     // The polynomial is monotonic between the samples; the postures decide where it turns back.
@@ -233,21 +237,23 @@ std::vector<LimitWatch::Change> LimitWatch::changes(const std::function<const do
     }
     for (std::size_t k = 0; k + 1 < samples.size(); ++k) {
       if (!changes(samples[k], samples[k + 1])) continue;
-      bracket(i, samples[k].time, samples[k].excess, samples[k + 1].time, samples[k + 1].excess, solve, found);
+      bracket(i, samples[k].time, samples[k].excess, samples[k + 1].time, samples[k + 1].excess, solve);
     }
   }
   const double sign = h < 0 ? -1 : 1;
-  std::stable_sort(found.begin(), found.end(),
-                   [&](const Change& a, const Change& b) { return sign * a.from < sign * b.from; });
-  const auto end = std::find_if(found.begin(), found.end(), [&](const Change& c) { return ends(c); });
-  if (end != found.end()) found.erase(end + 1, found.end());
-  return found;
+  const auto is_earlier = [&](const Change& a, const Change& b) { return sign * a.from < sign * b.from; };
+  for (auto c = found_.begin(); c != found_.end(); ++c) {  // std::stable_sort allocates
+    std::rotate(std::upper_bound(found_.begin(), c, *c, is_earlier), c, c + 1);
+  }
+  const auto end = std::find_if(found_.begin(), found_.end(), [&](const Change& c) { return ends(c); });
+  if (end != found_.end()) found_.erase(end + 1, found_.end());
+  return found_;
 }
 
 // Regula falsi that halves the weight of an end that stays twice (Illinois); bisection if the bracket shrinks too
 // slowly. Each probe keeps half the final width away from both ends, so that the bracket closes from both sides.
 void LimitWatch::bracket(std::size_t bound, double from, double excess_from, double until, double excess_until,
-                         const std::function<const double*(double)>& solve, std::vector<Change>& found) {
+                         const std::function<const double*(double)>& solve) {
   const bool leaves = excess_until > 0;
   // A change needs an excess of more than rounding; it happens where the bound itself is passed.
   const double rounding = sides_[bound].rounding;
@@ -255,7 +261,7 @@ void LimitWatch::bracket(std::size_t bound, double from, double excess_from, dou
   excess_until += rounding;
   if ((excess_from > 0) == (excess_until > 0)) {
     const double at = leaves ? from : until;
-    return found.push_back({bound, leaves, at, at});
+    return found_.push_back({bound, leaves, at, at});
   }
   const double width = kResolved * std::max(std::abs(from), std::abs(until));
   double weight_from = excess_from, weight_until = excess_until;
@@ -284,7 +290,7 @@ void LimitWatch::bracket(std::size_t bound, double from, double excess_from, dou
       if (std::exchange(stays, 1) == 1) weight_until /= 2;
     }
   }
-  found.push_back({bound, leaves, from, until});
+  found_.push_back({bound, leaves, from, until});
 }
 
 void LimitWatch::accept() {
@@ -296,11 +302,10 @@ void LimitWatch::accept() {
 Event LimitWatch::event(const Change& change) const {
   const Bound& b = system_.bounds[change.bound];
   const std::string unit = unit_of(measure(change.bound));
-  const Code kind = ends(change) ? Code::stop_reached : change.leaves ? Code::limit_exceeded : Code::within_limits;
   return {change.from,
           change.until,
           measure(change.bound).name,
-          kind,
+          kind(change),
           b.value,
           std::string(b.is_max ? "the largest" : "the smallest") + " allowed value is " + general(b.value, 10) +
               (unit == "1" ? "" : " " + unit),

@@ -76,8 +76,9 @@ class LimitWatch {
     double from, until;
   };
   // After may_change(): the changes on the way, in their order, up to the first one that ends the motion. solve(t)
-  // solves the posture at a time on the way and returns its coordinates by address, or null.
-  [[nodiscard]] std::vector<Change> changes(const std::function<const double*(double)>& solve);
+  // solves the posture at a time on the way and returns its coordinates by address, or null. The result is valid until
+  // the next call.
+  [[nodiscard]] std::span<const Change> changes(const std::function<const double*(double)>& solve);
   [[nodiscard]] bool ends(const Change& change) const { return change.leaves && system_.bounds[change.bound].ends; }
   // The status of a motion that ends at this change.
   [[nodiscard]] Status status(const Change& change) const {
@@ -104,6 +105,9 @@ class LimitWatch {
     accept();
   }
 
+  [[nodiscard]] Code kind(const Change& change) const {
+    return ends(change) ? Code::stop_reached : change.leaves ? Code::limit_exceeded : Code::within_limits;
+  }
   [[nodiscard]] Event event(const Change& change) const;
   // "A.angle is 1.5 rad, above its largest allowed value 1.2 rad": describes a violated bound.
   [[nodiscard]] std::string describe(std::size_t bound) const;
@@ -120,7 +124,7 @@ class LimitWatch {
   }
   void read(Posture q, std::vector<double>& row, std::span<const double> near);
   void bracket(std::size_t bound, double from, double excess_from, double until, double excess_until,
-               const std::function<const double*(double)>& solve, std::vector<Change>& found);
+               const std::function<const double*(double)>& solve);
   [[nodiscard]] Quintic way(std::size_t bound) const;
   [[nodiscard]] const MeasureForms& measure(std::size_t bound) const {
     return system_.measures[idx(system_.bounds[bound].measure)];
@@ -137,6 +141,7 @@ class LimitWatch {
   std::vector<double> now_, next_, probe_;  // rows: value, rate and acceleration of each quantity
   std::vector<double> values_;              // values in now_
   double now_time_ = 0, next_time_ = 0;
+  std::vector<Change> found_;  // by changes()
 };
 
 }  // namespace assur

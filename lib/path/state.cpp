@@ -89,16 +89,22 @@ State::Prediction State::begin_expansion(double t, int derivatives) {
   return out;
 }
 
+void State::reserve(Way& way) const {
+  for (LaneArray& posture : way.postures) posture.assign(size_, 0.0);
+}
+
 void State::keep(Way& way) const {
-  const double* newest = ring(0).at(last());
-  way.postures.insert(way.postures.begin(), LaneArray(newest, newest + size_));
-  way.times.insert(way.times.begin(), times_.front());
+  std::rotate(way.postures.begin(), way.postures.end() - 1, way.postures.end());
+  std::rotate(way.times.begin(), way.times.end() - 1, way.times.end());
+  std::copy_n(ring(0).at(last()), size_, way.postures[0].begin());
+  way.times[0] = times_.front();
+  way.count = std::min(way.count + 1, Way::kMost);
 }
 
 State::Prediction State::begin_prediction(const Way& way, double t) {
   begin();
-  const Predictor through_all{Predictor::Kind::past, static_cast<std::int32_t>(way.times.size()) - 1};
-  const PredictionWeights w = prediction_weights(through_all, way.times, t);
+  const Predictor through_all{Predictor::Kind::past, static_cast<std::int32_t>(way.count) - 1};
+  const PredictionWeights w = prediction_weights(through_all, std::span(way.times).first(way.count), t);
   Prediction out;
   for (; out.count < w.postures; ++out.count) {
     out.sources[out.count] = way.postures[static_cast<std::size_t>(out.count)].data() + first_unknown_;

@@ -45,9 +45,12 @@ class State {
   [[nodiscard]] Prediction begin_expansion(double t, int derivatives = 2);
   // A prediction by a polynomial through accepted postures that keep() collected, newest first.
   struct Way {
-    std::vector<LaneArray> postures;
-    std::vector<double> times;
+    static constexpr std::size_t kMost = 4;
+    std::array<LaneArray, kMost> postures;
+    std::array<double, kMost> times{};
+    std::size_t count = 0;
   };
+  void reserve(Way& way) const;
   void keep(Way& way) const;
   [[nodiscard]] Prediction begin_prediction(const Way& way, double t);
   void predict(const Prediction& prediction, std::size_t begin, std::size_t end);

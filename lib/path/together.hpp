@@ -35,6 +35,11 @@ class Together {
   void undo(std::int64_t attempt);
   // To be called when the packs of the layout were changed by others.
   void forget() { up_to_date_ = false; }
+  // After the start posture was solved: takes the memory that solve() needs.
+  void reserve(const double* state) {
+    take(state);
+    forget();
+  }
 
  private:
   // A load of a group and the loads that it depends on.

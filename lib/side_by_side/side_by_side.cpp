@@ -123,7 +123,7 @@ void SideBySide::check_accuracy(std::span<LaneRun* const> lanes, std::size_t row
     const std::string group = prepared_.structure->name_of(s.where);
     const std::size_t count = columns().size();
     record_doubt(run.events, {run.times[std::max<std::size_t>(row, 1) - 1], run.times[row], group, s.code, s.figure,
-                              without_derivatives(columns(), {run.row(row, count), count})});
+                              without_derivatives(columns(), missing_from({run.row(row, count), count}))});
     if (run.status.ok()) run.status = s;
   }
 }

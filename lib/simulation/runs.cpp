@@ -176,6 +176,7 @@ bool Simulator::run_in_chunks(std::span<const double> times, const Observer& obs
   impl_->earlier_effort = run.totals.effort;
   Report& report = impl_->report;
   report = {};
+  impl_->events.clear();
   report.counters = counters;
   report.counters += run.totals.counters;
   report.counters.steps = static_cast<std::int64_t>(run.rows) - (times[0] == first_time ? 1 : 0);
@@ -183,7 +184,7 @@ bool Simulator::run_in_chunks(std::span<const double> times, const Observer& obs
   report.error = impl_->earlier_error = run.totals.error;
   report.status = run.status;
   report.reached = run.reached;
-  report.events = std::move(run.events);
+  for (Event& event : run.events) impl_->events.add(Noticed::all_of(std::move(event)));
   report.fallbacks = std::move(run.fallbacks);
   return true;
 }

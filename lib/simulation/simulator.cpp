@@ -16,7 +16,7 @@ namespace {
 constexpr double kStepWithoutGrid = 1;  // s, length of step() if the scene has no time grid
 
 // A quantity has left or entered its limit: undone with the step.
-bool is_passage(const Event& e) { return e.kind == Code::limit_exceeded || e.kind == Code::within_limits; }
+bool is_passage(const Noticed& e) { return e.kind == Code::limit_exceeded || e.kind == Code::within_limits; }
 
 }  // namespace
 
@@ -43,7 +43,7 @@ Status step_of_run(Simulator& simulator, double t) {
 }
 
 Status Simulator::step(double t) {
-  impl_->drop_old_events();
+  impl_->events.bound();
   try {
     const Status status = step_of_run(*this, t);
     if (!status.arrived()) impl_->motion.rest();
@@ -92,11 +92,10 @@ DriverHandle Simulator::driver(std::string_view name) const {
 Status Simulator::step() {
   const double length = impl_->prepared.time.step;
   const double t = impl_->motion.time() + (length > 0 ? length : kStepWithoutGrid);
-  impl_->drop_old_events();
-  const std::size_t events = impl_->report.events.size();
+  impl_->events.bound();
+  const std::int64_t begin = impl_->events.end();
   const auto undo = [&] {
-    std::vector<Event>& all = impl_->report.events;
-    all.erase(std::remove_if(all.begin() + static_cast<std::ptrdiff_t>(events), all.end(), is_passage), all.end());
+    impl_->events.erase(begin, impl_->events.end(), is_passage);
     if (impl_->began != nullptr) Impl::restore(impl_, *impl_->began);
   };
   try {
@@ -109,18 +108,16 @@ Status Simulator::step() {
     // Drivers that move towards a limit may overshoot into it before they turn back.
     const bool may_repeat = !impl_->undivided && status.code != Code::deadline && status.code != Code::interrupted;
     if (!may_repeat || !impl_->motion.ask_again_from_rest()) return status;
-    const std::size_t failed = impl_->report.events.size();
+    const std::int64_t failed = impl_->events.end();
     impl_->motion.count_rejected_from(0);
     impl_->motion.join_events_from(failed);  // the times of an event belong to one try
     const Status again = go_to(t);
-    std::vector<Event>& all = impl_->report.events;
-    const auto begin = all.begin() + static_cast<std::ptrdiff_t>(events),
-               second = all.begin() + static_cast<std::ptrdiff_t>(failed);
+    const auto any = [](const Noticed&) { return true; };
     if (again.arrived()) {
-      all.erase(begin, second);
+      impl_->events.erase(begin, failed, any);
       return again;
     }
-    all.erase(second, all.end());
+    impl_->events.erase(failed, impl_->events.end(), any);
     undo();
     impl_->report.status = status;
     return status;
@@ -245,6 +242,7 @@ std::vector<GroupFigures> Simulator::examine() { return impl_->examine(); }
 const Report& Simulator::report() const {
   impl_->report_effort();
   impl_->report_estimate();
+  impl_->report_events();
   return impl_->report;
 }
 const Prepared& Simulator::prepared() const { return impl_->prepared; }

@@ -47,8 +47,6 @@ struct SimulatorState::Impl {
 struct Simulator::Impl {
   using Snapshot = SimulatorState::Impl::Snapshot;
 
-  static constexpr std::size_t kEventsReserved = 64;
-  static constexpr std::size_t kMostEvents = 1000;  // of single steps; then the older half is dropped
   // Only this part of the accuracy is used: conditions may grow before they are measured again, independently at each
   // level.
   static constexpr double kMargin = 16;
@@ -64,7 +62,7 @@ struct Simulator::Impl {
         limits(l),
         structure(*prepared.structure),
         system(*structure.system),
-        motion(prepared, limits, report),
+        motion(prepared, limits, report, events),
         columns(column_names(system)),
         outputs(system, motion.layout().address),
         turns(outputs),
@@ -94,7 +92,7 @@ struct Simulator::Impl {
     earlier_effort = {};
     earlier_error = {};
     own_lines = 0;
-    report.events.reserve(kEventsReserved);
+    events.clear();
     const System* const of[] = {&system};
     estimate.restart(of, motion.inputs().evaluated(), &motion.inputs());
     functions.restart();
@@ -124,14 +122,6 @@ struct Simulator::Impl {
   }
 
   // ---- one step
-
-  // Bounds the memory of a control loop.
-  void drop_old_events() {
-    if (report.events.size() < kMostEvents) return;
-    const std::size_t dropped = report.events.size() - kMostEvents / 2;
-    report.events.erase(report.events.begin(), report.events.begin() + static_cast<std::ptrdiff_t>(dropped));
-    report.dropped_events += static_cast<std::int64_t>(dropped);
-  }
 
   void begin_step() {
     began = nullptr;
@@ -172,7 +162,7 @@ struct Simulator::Impl {
     std::optional<Event> found = functions.before_step(from, t, q, asked);
     if (!found) return {};
     report.status = doubt = {found->kind, {}, found->figure};
-    report.events.push_back(std::move(*found));
+    events.add(Noticed::all_of(std::move(*found)));
     motion.inputs().drop_pending();
     return report.status;
   }
@@ -200,13 +190,31 @@ struct Simulator::Impl {
       earlier_error.merge(turn);
     }
     if (s.ok()) return {};
-    record_doubt(report.events, {from, motion.time(), structure.name_of(s.where), s.code, s.figure,
-                                 without_derivatives(columns, row)});
+    record_doubt(from, s);
     if (doubt.ok()) {
       doubt = s;
       if (report.status.arrived()) report.status = doubt;
     }
     return s;
+  }
+
+  // Consecutive steps in doubt become one event with the worst of their figures.
+  void record_doubt(double from, const Status& s) {
+    Noticed* event = events.last();
+    if (event == nullptr || event->kind != s.code || event->until != from) {
+      Noticed doubtful{from, motion.time(), only_group(s.where), s.code, s.figure};
+      doubtful.structure = prepared.structure;
+      events.add(std::move(doubtful));
+      event = events.last();
+    }
+    event->until = motion.time();
+    if (event->figure < s.figure) {
+      event->figure = s.figure;
+      event->about = only_group(s.where);
+      event->structure = prepared.structure;
+      if (event->told) event->told->group = structure.name_of(s.where);
+    }
+    if (event->missing.count == 0) event->missing = missing_from(row);
   }
 
   // If the deadline passes before the errors are measured, the next step measures them.
@@ -312,6 +320,7 @@ struct Simulator::Impl {
     first = other.first;
     other.drop_own_lines();
     report = std::move(other.report);
+    std::swap(events, other.events);
     reselections = other.reselections;
     first_reselection = other.first_reselection;
     earlier_error = other.earlier_error;
@@ -446,6 +455,14 @@ struct Simulator::Impl {
     say(sum.in_double, " factorisations of one lane in double, because refinement from float did not converge");
   }
 
+  void report_events() {
+    events.tell(report, [&](const Noticed& event) {
+      Event out = motion.in_words(event);
+      if (out.detail.empty()) out.detail = without_derivatives(columns, event.missing);
+      return out;
+    });
+  }
+
   void report_estimate() {
     if (!estimate.measured()) return;
     ErrorFigures all = estimate.of_run();
@@ -476,6 +493,7 @@ struct Simulator::Impl {
     if (!doubt.ok()) return false;
     stands_at(std::span(run.values).last(columns.size()));
     report = {};
+    events.clear();
     report.counters = run.totals.counters;
     report.counters.steps = static_cast<std::int64_t>(times.size()) - (times[0] == first_time ? 1 : 0);
     report.counters.stored_values = static_cast<std::int64_t>(run.values.size());
@@ -489,7 +507,8 @@ struct Simulator::Impl {
   const Prepared& prepared;
   std::shared_ptr<const Prepared> first;  // plan at the start of the run, for reset()
   StepLimits limits;
-  Report report;
+  Report report;  // without its events
+  EventLog events;
   const Structure& structure;
   const System& system;
   Continuation motion;

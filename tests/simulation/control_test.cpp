@@ -316,7 +316,9 @@ TEST(Control, AllWorkOfACallSharesItsDeadline) {
     ticks = 0;
     const std::int64_t before = s.report().counters.group_solutions;
     s.set("pose.z", lowest - 1e-3, -0.2);
+    const std::int64_t allocated = test::allocations();
     const Status status = s.step();
+    EXPECT_EQ(test::allocations(), allocated);
     EXPECT_LE(s.report().counters.group_solutions - before, limit + 1);
     EXPECT_TRUE(status.code == Code::deadline || status.code == Code::limit_reached) << name(status.code);
     ++(status.code == Code::deadline ? late : ended);

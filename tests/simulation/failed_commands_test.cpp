@@ -1,4 +1,5 @@
 // Nothing of a command that failed survives: neither a target, nor a rate, nor a trace in the numbers of later steps.
+// It allocates no memory.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,6 +11,7 @@
 #include <vector>
 
 #include "assur/saved_plan.hpp"
+#include "backends/allocations.hpp"
 #include "simulation/delta_robot.hpp"
 #include "simulation/limited.hpp"
 #include "simulation/random_count.hpp"
@@ -114,6 +116,43 @@ TEST(FailedCommands, LeaveNoTargetBehind) {
               if (!is_value(column)) continue;
               EXPECT_NEAR(s.outputs()[i], there[i], 1e-7) << column;  // close to a fold
             }
+          }
+        }
+      }
+    }
+  }
+}
+
+// Nor does the first command of a simulator.
+TEST(FailedCommands, AllocateNothing) {
+  std::vector<Case> all = cases();
+  const Scene stops = test::limited_four_bar(Law::constant(0.5))
+                          .measure("angle", AbsoluteAngle{"A0", "B"})
+                          .limit("angle", 0.3, 0.9)
+                          .time(0, 1, 0.01)
+                          .build();
+  all.push_back({stops, "motor", "motor", 0.55, 1.1});
+  for (const std::string strategy :
+       {"auto", "groups/lanes:8", "irreducible/eigen", "global/eigen+predict=past:3", "irreducible/eigen 2x1"}) {
+    for (const Case& c : all) {
+      const Prepared prepared =
+          prepare(c.scene, {.strategy = strategy, .controlled = {c.driver}, .budget = ThreadBudget{2}});
+      for (const Prepared& plan : {prepared, loaded(prepared)}) {
+        for (const bool near_first : {false, true}) {
+          for (const bool to_time : {true, false}) {
+            SCOPED_TRACE(c.scene.name() + " " + c.set + " " + strategy + (plan.scene ? "" : ", loaded") +
+                         (near_first ? "" : ", first") + (to_time ? ", step(t)" : ""));
+            Simulator s(plan);
+            const double h = c.scene.time().step;
+            for (int k = near_first ? 0 : 1; k < 5; ++k) {
+              const double rate = k == 3 ? (c.far - c.near) / h : 0;  // such a step is tried again from rest
+              s.set(c.set, k == 0 ? c.near : c.far, rate);
+              const std::int64_t before = test::allocations();
+              const Status status = to_time ? s.step(s.time() + h) : s.step();
+              EXPECT_EQ(test::allocations() - before, 0) << k << " " << name(status.code);
+              EXPECT_EQ(status.arrived(), k == 0) << k;
+            }
+            EXPECT_FALSE(s.report().events.empty());
           }
         }
       }
@@ -413,7 +452,12 @@ struct Search {
     };
     for (int k = 0; k < cycles; ++k) {
       const Command c = command(robot, at, s.time(), step);
+      const std::int64_t allocated = test::allocations();
       const Status status = give(s, robot, c);
+      const std::int64_t more = test::allocations() - allocated;
+      if (solver_has_no_memory) {  // `lanes` may choose pivots
+        ASSERT_EQ(more, 0) << k << " " << name(status.code);
+      }
       if (status.arrived()) {
         ++arrived;
         const Status of_twin = give(twin, robot, c);

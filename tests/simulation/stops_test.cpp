@@ -11,6 +11,7 @@
 #include "assur/ensemble.hpp"
 #include "assur/motion_range.hpp"
 #include "assur/saved_plan.hpp"
+#include "backends/allocations.hpp"
 #include "numbers.hpp"
 #include "path/limit_watch.hpp"
 #include "scene/samples.hpp"
@@ -299,11 +300,15 @@ TEST(Stops, SingleStepsKeepTheLatestEvents) {
   EXPECT_EQ(all.run().rows(), 8 * kTurns + 1);
   EXPECT_EQ(all.report().events.size(), 2 * kTurns);
   EXPECT_EQ(all.report().dropped_events, 0);
+  std::int64_t allocated = 0;
   for (int k = 1; k <= 8 * kTurns; ++k) {
+    const std::int64_t before = test::allocations();
     ASSERT_TRUE(loop.step().ok());
+    allocated += test::allocations() - before;
     ASSERT_TRUE(row_by_row.step(scene.time().time(k)).ok());
     ASSERT_LE(loop.report().events.size(), 1001u);
   }
+  EXPECT_EQ(allocated, 0);
   for (const Simulator* const s : {&loop, &row_by_row}) {
     const std::vector<Event>& kept = s->report().events;
     EXPECT_EQ(s->report().dropped_events, 1500);
