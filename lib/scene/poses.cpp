@@ -27,7 +27,7 @@ std::pair<std::string_view, std::string_view> split(std::string_view text) {
 }
 
 bool is_pose(std::string_view part, int dimension) {
-  if (part.empty() || part == "origin") return true;
+  if (part == "origin") return true;
   return dimension == 2 ? part == "angle"
                         : part == "quaternion" || part == "angular_velocity" || part == "angular_acceleration";
 }
@@ -45,7 +45,7 @@ class Poses {
       std::string& text = p_.outputs[i];
       const auto [name, part] = split(text);
       const auto found = body_of_.find(name);
-      if (found == body_of_.end() || name == kGround || !is_pose(part, p_.dimension)) {
+      if (found == body_of_.end() || name == kGround || !(text == name || is_pose(part, p_.dimension))) {
         outputs.push_back(std::move(text));
       } else {
         expand(*found->second, text, part, outputs);
