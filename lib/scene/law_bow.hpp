@@ -66,20 +66,27 @@ namespace assur {
   return std::min(most * h * h / 8, highest - lowest + most * longest * longest / 4);
 }
 
-// Of a quintic through value, rate and acceleration at both ends of [0, length], on a part of it that is `step` long:
-// the second derivative lies between the second differences of the Bernstein coefficients.
+// Of a quintic through value, rate and acceleration at both ends of [0, length], on a part of it that is `step` long,
+// by its Bernstein coefficients: the second derivative lies between their second differences, and what the whole leaves
+// of its chord between the coefficients of the difference, of each half.
 [[nodiscard]] inline double bow_of_quintic(const Motion& a, const Motion& b, double length, double step) {
   const double d = length / 5, dd = length * length / 20;
-  const double c[6] = {a.value,
-                       a.value + d * a.rate,
-                       a.value + 2 * d * a.rate + dd * a.acceleration,
-                       b.value - 2 * d * b.rate + dd * b.acceleration,
-                       b.value - d * b.rate,
-                       b.value};
+  double c[6] = {a.value,
+                 a.value + d * a.rate,
+                 a.value + 2 * d * a.rate + dd * a.acceleration,
+                 b.value - 2 * d * b.rate + dd * b.acceleration,
+                 b.value - d * b.rate,
+                 b.value};
   double most = 0;
   for (int i = 0; i < 4; ++i) most = std::max(most, std::abs((c[i + 2] - c[i + 1]) - (c[i + 1] - c[i])));
+  for (int i = 0; i < 6; ++i) c[i] -= a.value + i * (b.value - a.value) / 5;
+  double off = 0;  // de Casteljau's algorithm in the middle: both ends of each row are coefficients of the halves
+  for (int last = 5; last >= 0; --last) {
+    off = std::max({off, std::abs(c[0]), std::abs(c[last])});
+    for (int i = 0; i < last; ++i) c[i] = (c[i] + c[i + 1]) / 2;
+  }
   const double part = length == 0 ? 0 : step / length;
-  return 20 * most * part * part / 8;
+  return std::min(20 * most * part * part / 8, part == 1 ? off : 2 * off);
 }
 
 }  // namespace assur
