@@ -18,16 +18,16 @@ constexpr std::pair<std::string_view, Part> kQuaternion[] = {
 constexpr std::pair<std::string_view, Part> kTurn[] = {
     {".turn_x", Part::turn_x}, {".turn_y", Part::turn_y}, {".turn_z", Part::turn_z}};
 
-// "B.origin.x" -> "B", "origin"
+// "B.origin.x" -> "B", "origin"; "B" -> "B", ""; "B..x" -> "B", ".", which is no part
 std::pair<std::string_view, std::string_view> split(std::string_view text) {
   const std::size_t dot = text.find('.');
   if (dot == text.npos) return {text, ""};
   const std::string_view rest = text.substr(dot + 1);
-  return {text.substr(0, dot), rest.substr(0, rest.find('.'))};
+  return {text.substr(0, dot), rest.empty() || rest[0] == '.' ? "." : rest.substr(0, rest.find('.'))};
 }
 
 bool is_pose(std::string_view part, int dimension) {
-  if (part == "origin") return true;
+  if (part.empty() || part == "origin") return true;
   return dimension == 2 ? part == "angle"
                         : part == "quaternion" || part == "angular_velocity" || part == "angular_acceleration";
 }
@@ -45,7 +45,7 @@ class Poses {
       std::string& text = p_.outputs[i];
       const auto [name, part] = split(text);
       const auto found = body_of_.find(name);
-      if (found == body_of_.end() || name == kGround || !(text == name || is_pose(part, p_.dimension))) {
+      if (found == body_of_.end() || name == kGround || !is_pose(part, p_.dimension)) {
         outputs.push_back(std::move(text));
       } else {
         expand(*found->second, text, part, outputs);
