@@ -96,7 +96,8 @@ void State::reserve(Way& way) const {
 void State::keep(Way& way) const {
   std::rotate(way.postures.begin(), way.postures.end() - 1, way.postures.end());
   std::rotate(way.times.begin(), way.times.end() - 1, way.times.end());
-  std::copy_n(ring(0).at(last()), size_, way.postures[0].begin());
+  const double* const newest = ring(0).at(last());
+  way.postures[0].assign(newest, newest + size_);
   way.times[0] = times_.front();
   way.count = std::min(way.count + 1, Way::kMost);
 }

@@ -1,7 +1,11 @@
 // The contract of backend.hpp for every backend that runs here: the table of contract_cases.cpp, plain and decorated.
 #include <gtest/gtest.h>
 
+#include <initializer_list>
+#include <string>
+#include <string_view>
 #include <tuple>
+#include <vector>
 
 #include "assur/backend.hpp"
 #include "backends/available.hpp"
@@ -166,15 +170,22 @@ struct Name {
     return std::string(backend->id) + decorated[static_cast<int>(mode)] + "_lanes" + std::to_string(lanes);
   }
 };
-const auto kLanes = testing::Values(1, 2, 4, 8, 16);
-INSTANTIATE_TEST_SUITE_P(Double, SolverContract,
-                         testing::Combine(testing::ValuesIn(available()), testing::Values(Mode::plain, Mode::refine),
-                                          kLanes),
+// MUMPS solves lane by lane and allocates a megabyte for each solution: 16 lanes take minutes with the sanitizers.
+std::vector<Parameters> each_lane(const std::vector<const Backend*>& of, std::initializer_list<Mode> modes) {
+  std::vector<Parameters> rows;
+  for (const Backend* backend : of) {
+    const int most = std::string_view(backend->id).find("mumps") == std::string_view::npos ? 16 : 4;
+    for (const Mode mode : modes) {
+      for (int lanes = 1; lanes <= most; lanes *= 2) rows.emplace_back(backend, mode, lanes);
+    }
+  }
+  return rows;
+}
+
+INSTANTIATE_TEST_SUITE_P(Double, SolverContract, testing::ValuesIn(each_lane(available(), {Mode::plain, Mode::refine})),
                          Name{});
 INSTANTIATE_TEST_SUITE_P(Float, SolverContract,
-                         testing::Combine(testing::ValuesIn(with_float()),
-                                          testing::Values(Mode::in_float, Mode::in_float_refine), kLanes),
-                         Name{});
+                         testing::ValuesIn(each_lane(with_float(), {Mode::in_float, Mode::in_float_refine})), Name{});
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(SolverContract);
 
 }  // namespace
