@@ -119,12 +119,12 @@ double deviation(const Design& design, std::vector<double> values) {
 
 bool report(const Design& design, std::size_t members, int rounds) {
   const std::vector<double> values = design.table(members);
-  const ValueTable table(design.scene, design.names, values, how(1));
+  const ValueTable table(design.scene, design.names, values, how(1), AtRest::in_front);
   if (!table.why_not().empty()) {
     std::printf("%s: %s\n", design.scene.name().c_str(), table.why_not().c_str());
     return false;
   }
-  Prepared first = table.first();
+  Prepared first = *table.first();
   first.plan.run.chunks = first.plan.run.threads = 1;
   Tile tile(first, {});
   tile.keep_pivots({first.structure->system, first.structure->start, first.time.start, first.reselect});
