@@ -57,6 +57,8 @@ std::string_view name(Code code) noexcept {
       return "wrong_function";
     case Code::not_assembled:
       return "not_assembled";
+    case Code::near_singular:
+      return "near_singular";
   }
   return "unknown";
 }
@@ -100,6 +102,8 @@ std::string_view explanation(Code code) noexcept {
       return "the derivatives of a law or callback of the program do not match its values";
     case Code::not_assembled:
       return "the start posture cannot be assembled";
+    case Code::near_singular:
+      return "the motion passed close to a singular posture, where rates change quickly";
   }
   return "unknown";
 }

@@ -62,6 +62,7 @@ enum class Code : std::uint8_t {
   within_limits,        // the quantity has returned into its limit. An Event::kind, never a status
   wrong_function,       // a law or callback of the program returns derivatives that do not belong to its values
   not_assembled,        // the start posture cannot be assembled: of a member of an ensemble, or of a linkage
+  near_singular,        // the motion passed close to a singular posture. An Event::kind, never a status
 };
 
 // Name of a code as in the command's JSON, e.g. "limit_reached".

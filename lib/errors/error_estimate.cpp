@@ -131,7 +131,7 @@ void ErrorEstimate::restart(std::span<const System* const> systems, std::span<co
   residual_ = kUsual;
   steps_ = branch_checks_ = measurements_ = 0;
   seed_ = 0;
-  worst_ = gain_ = left_ = 0;
+  worst_ = gain_ = left_ = contradiction_ = 0;
   growth_of_group_ = growth_along_paths_ = confirmed_ = 1;
   loose_ = false;
 }
@@ -467,6 +467,13 @@ void ErrorEstimate::finish(const double* const (&state)[3], std::span<const doub
     gain_ = std::max(gain_, relative(m, m.sizes, &Size::gain).worst());
   }
   confirm_growth(before);
+}
+
+// The residual of the redundant equations, if errors of the posture do not explain it.
+double ErrorEstimate::unexplained() const {
+  double error = 0;
+  for (std::size_t i = 0; i < used_; ++i) error = std::max(error, mechanisms_[i].now.position);
+  return contradiction_ > error ? kGrownTwice * contradiction_ : 0;
 }
 
 // before: the largest error at the last measurement.

@@ -24,6 +24,39 @@ bool worth_halving(Code code) {
          code == Code::not_finite;
 }
 
+// Lengths of the parts of a step that is divided because attempts fail.
+class Parts {
+ public:
+  bool explained = false;  // another event tells why parts are short
+  double shortest = kInfinity, from = 0, until = 0;
+  Place about;
+
+  void reject(Place where) {
+    rejected_ = true;
+    failed_ = where;
+  }
+  // A part that was not shortened to meet the end of the step.
+  void arrive(double begin, double end) {
+    const double length = std::abs(end - begin);
+    if (rejected_ && length < shortest) {
+      shortest = length, from = begin, until = end, about = failed_;
+      before_ = std::max(before_, std::exchange(after_, 0));
+    } else {
+      after_ = std::max(after_, length);
+    }
+  }
+  // Fast laws and long steps make all parts of a step short, a singularity that is passed only those next to it.
+  [[nodiscard]] bool near_singular(double step) const {
+    constexpr double kOfStep = 32, kOfOthers = 8;
+    return !explained && shortest <= step / kOfStep && shortest <= std::min(before_, after_) / kOfOthers;
+  }
+
+ private:
+  bool rejected_ = false;
+  double before_ = 0, after_ = 0;  // longest parts before and after the shortest one
+  Place failed_;
+};
+
 // Where to start instead of a posture at which branches cross.
 std::string start_beside(const System& system, double time) {
   constexpr double kBeside = 0.1;  // rad, or characteristic lengths
@@ -496,9 +529,11 @@ Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
   approach_.clear();
   largest_correction_ = kSureOfBranch;
   if (on_change_point()) expand();
+  Parts parts;
   int in_a_row = 0;  // attempts that were rejected; from kExpandAfter on the count is kept
   for (bool is_first = true; now_ != t; is_first = false) {
     if (!is_first && limits_.stop && limits_.stop()) return {Code::interrupted, {}, now_};
+    const double before = now_;
     const double h = std::copysign(std::min(stride.length, std::abs(span)), span);
     const double target = std::abs(t - now_) <= std::abs(h) * 1.0000001 ? t : now_ + h;
     if (in_a_row >= kExpandAfter) expand();
@@ -506,6 +541,7 @@ Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
     const Status s = try_step(target, Attempt::Branch::inside);
     if (s.ok()) {
       if (in_a_row < kExpandAfter) in_a_row = 0;
+      if (std::abs(h) == stride.length) parts.arrive(before, now_);
       if (now_ == t) break;  // a last stride that was shortened is no evidence for full strides
       stride.arrive();
       if (stride.length > kPassed * first) {  // the failure was passed
@@ -527,6 +563,7 @@ Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
     }
     ++report_.counters.rejected;
     ++in_a_row;
+    parts.reject(s.where);
     if (rejected_ >= kMostRejected) {
       record({now_, target, only_group(s.where), Code::branch_unknown, s.figure}, std::abs(t - target));
       return {Code::branch_unknown, s.where, s.figure};
@@ -554,15 +591,19 @@ Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
       tell(s, target);
       return s;
     }
-    const double change = now_;
     passes_ = true;
     const Status found = at_the_limit(s, target, t, first);
     passes_ = false;
     if (!found.ok()) return found;
-    if (now_ != change) {
-      if (const Status stop = check_limits_passed(change); !stop.ok()) return stop;
+    if (now_ != before) {
+      parts.explained = true;
+      if (const Status stop = check_limits_passed(before); !stop.ok()) return stop;
     }
     stride.set(shortest_);
+  }
+  if (parts.near_singular(std::abs(span))) {
+    record({parts.from, parts.until, only_group(parts.about), Code::near_singular, std::abs(span) / parts.shortest},
+           std::abs(span));
   }
   return {};
 }

@@ -131,7 +131,7 @@ class Continuation {
   // An event of this motion with its texts, also of a continuation that this one replaced.
   [[nodiscard]] Event in_words(const Noticed& event) const;
 
-  // Rejected attempts at the current step. After 10,000 the step fails as branch_unknown. The first part of a step
+  // Rejected attempts at the current step. After 100,000 the step fails as branch_unknown. The first part of a step
   // begins to count at 0; further parts continue.
   [[nodiscard]] std::int64_t rejected() const { return rejected_; }
   void count_rejected_from(std::int64_t count) { rejected_ = count; }
@@ -150,6 +150,8 @@ class Continuation {
   // because it cannot be solved so exactly, or because the number of iterations is prescribed.
   [[nodiscard]] bool polish(double converged);
 
+  // Largest relative residual of the redundant equations at the current posture.
+  [[nodiscard]] double contradiction() { return watch_ ? watch_->residual(state_.at(0)) : 0; }
   // The residual at which an equation counts as solved.
   [[nodiscard]] double converged() const { return converged_; }  // 0: as exact as doubles allow
   void converge_to(double residual) { converged_ = residual; }
@@ -180,7 +182,7 @@ class Continuation {
   static constexpr double kSmallestStep = 1.0 / (1 << kStepHalvings);
   // Largest first correction behind a change point, over the distance of the branches, which is that of the move.
   static constexpr double kSureOfBranch = 1e-3;
-  static constexpr int kMostRejected = 10000;  // attempts at one step for any reason
+  static constexpr int kMostRejected = 100000;  // attempts at one step for any reason
 
   void repeat_in_idle_lanes();
   void tell_before_dividing();

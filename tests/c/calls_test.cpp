@@ -57,13 +57,13 @@ Owned<assur_simulator> simulator_of(const assur_plan* plan) {
 TEST(C, VersionsAndCodes) {
   EXPECT_EQ(assur_abi(), ASSUR_ABI);
   EXPECT_STREQ(assur_version(), ASSUR_VERSION);
-  for (int code = ASSUR_OK; code <= ASSUR_NOT_ASSEMBLED; ++code) {
+  for (int code = ASSUR_OK; code <= ASSUR_NEAR_SINGULAR; ++code) {
     EXPECT_EQ(assur_code_name(code), name(static_cast<Code>(code)));
     EXPECT_EQ(assur_code_explanation(code), explanation(static_cast<Code>(code)));
     EXPECT_STRNE(assur_code_name(code), "unknown");
     EXPECT_EQ(assur_arrived(code) != 0, Status(static_cast<Code>(code), {}).arrived());
   }
-  EXPECT_STREQ(assur_code_name(ASSUR_NOT_ASSEMBLED + 1), "unknown");
+  EXPECT_STREQ(assur_code_name(ASSUR_NEAR_SINGULAR + 1), "unknown");
   EXPECT_STREQ(assur_code_name(-1), "unknown");
   EXPECT_EQ(assur_code_name(ASSUR_STOP_REACHED), std::string("stop_reached"));
 }

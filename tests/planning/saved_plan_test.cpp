@@ -13,14 +13,13 @@
 #include "assur/ensemble.hpp"
 #include "scene/samples.hpp"
 #include "scene/shipped_files.hpp"
+#include "simulation/random_count.hpp"
 #include "simulation/same_run.hpp"
 
 namespace assur {
 namespace {
 
 using test::Result;
-
-constexpr int kAlterations = 150;  // for each plan
 
 std::string saved(const Prepared& prepared) {
   std::ostringstream out;
@@ -343,7 +342,7 @@ TEST(SavedPlan, DetectsDamage) {
   ASSERT_EQ(signed_again(text), text);
   std::mt19937 random(5);
   const auto below = [&](std::size_t n) { return std::uniform_int_distribution<std::size_t>(0, n - 1)(random); };
-  for (int k = 0; k < 100; ++k) {
+  for (int k = 0; k < test::random_count(100); ++k) {
     std::string damaged = text;
     const std::size_t at = below(text.size());
     damaged[at] = static_cast<char>(static_cast<unsigned char>(damaged[at]) + 1 + below(255));
@@ -389,7 +388,7 @@ TEST(SavedPlan, SurvivesTamperedNumbers) {
     const std::string text = saved(prepare(shortened(sample(scene), 5), {strategy, {}, ThreadBudget{2}}));
     const auto numbers = numbers_of(text);
     ASSERT_GT(numbers.size(), 100u);
-    for (int k = 0; k < kAlterations; ++k) {
+    for (int k = 0; k < test::random_count(150); ++k) {
       std::string altered = text;
       const auto [begin, end] = numbers[below(numbers.size())];
       altered.replace(begin, end - begin, others[below(others.size())]);

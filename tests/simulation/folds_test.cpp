@@ -43,6 +43,26 @@ TEST(Folds, DifferFromNearlySingularPostures) {
   EXPECT_LE(from, until);  // all brackets contain one common time
 }
 
+// The step that passes it, and no other, has an event with the time.
+TEST(Folds, NearlySingularPosturesAreEvents) {
+  const Scene scene = read_scene(std::string(ASSUR_SOURCE_DIR) + "/tests/data/references/near_fold_stewart.json");
+  for (const int steps : {5, 10, 20}) {
+    SCOPED_TRACE(steps);
+    const test::Result r = test::run(over(scene, 0.2, steps), "irreducible/eigen");
+    EXPECT_TRUE(r.report().status.arrived());
+    int events = 0;
+    for (const Event& e : r.report().events) {
+      if (e.kind != Code::near_singular) continue;
+      ++events;
+      EXPECT_NEAR(e.time, 0.0033, 0.0005);
+      EXPECT_GT(e.until, e.time);
+      EXPECT_NE(e.group, "");
+      EXPECT_GE(e.figure, 32);
+    }
+    EXPECT_EQ(events, 1);
+  }
+}
+
 // With every grid, the motion of a random platform or chain ends at the same time, or does not end early.
 TEST(Folds, DoNotDependOnTheTimeGrid) {
   int ends = 0, goes_on = 0;
@@ -96,6 +116,24 @@ TEST(Folds, CloseToACuspAreFound) {
     const Event fold = test::events(r.report()).back();
     EXPECT_LE(fold.until - fold.time, 1e-10 * scene.time().end);
   }
+}
+
+// Long steps along a nearly singular stretch need tens of thousands of parts. They used to be given up.
+TEST(Folds, LongStepsAlongANearlySingularStretch) {
+  for (const int steps : {5, 100}) {
+    SCOPED_TRACE(steps);
+    test::Draw draw(1727);
+    const test::Result r = test::run(test::chain_with_triad(draw, steps), "irreducible/eigen");
+    EXPECT_EQ(r.report().status.code, Code::limit_reached);
+    EXPECT_NEAR(r.report().reached, 0.70944, 0.00001);
+  }
+}
+
+TEST(Folds, AStepGivesUpAfterAHundredThousandAttempts) {
+  test::Draw draw(1068);
+  const test::Result r = test::run(test::three_legs(draw, 100), "irreducible/eigen");
+  EXPECT_EQ(r.report().status.code, Code::branch_unknown);
+  EXPECT_GE(r.report().counters.rejected, 100000);
 }
 
 }  // namespace

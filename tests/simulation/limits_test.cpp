@@ -220,7 +220,7 @@ TEST(Limit, FindsAVanishingLeverBetweenRows) {
 
 // Gough's platform is almost singular on its whole way to a limit. Proven balls, and therefore steps, are tens of
 // thousands times shorter than the remaining way.
-TEST(Limit, AStepGivesUpAfterSomeThousandsOfAttempts) {
+TEST(Limit, AStepMayTakeTensOfThousandsOfAttempts) {
   const Scene scene = read_scene(ASSUR_SOURCE_DIR "/scenes/gough.json");
   std::vector<std::string> legs;
   for (const Driver& d : scene.drivers()) legs.push_back(d.name);
@@ -230,12 +230,11 @@ TEST(Limit, AStepGivesUpAfterSomeThousandsOfAttempts) {
     s.set(legs[i], std::get<DrivenDistance>(scene.drivers()[i].kind).law(0).value + by[i]);
   }
   const Status status = s.step(1);
-  EXPECT_EQ(status.code, Code::branch_unknown);
-  EXPECT_GT(s.report().counters.rejected, 1000);
-  EXPECT_LE(s.report().counters.rejected, 10000);
+  EXPECT_EQ(status.code, Code::limit_reached);
+  EXPECT_GT(s.report().counters.rejected, 10000);
   EXPECT_GT(s.time(), 0);
   ASSERT_EQ(s.report().events.size(), 1U);
-  EXPECT_EQ(s.report().events[0].kind, Code::branch_unknown);
+  EXPECT_EQ(s.report().events[0].kind, Code::limit_reached);
 }
 
 }  // namespace

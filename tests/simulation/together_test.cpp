@@ -18,6 +18,7 @@
 #include "simulation/conditions.hpp"
 #include "simulation/limited.hpp"
 #include "simulation/random_chains.hpp"
+#include "simulation/random_count.hpp"
 
 namespace assur {
 namespace {
@@ -115,8 +116,9 @@ TEST(Together, MovesShippedScenesAsLevelsDoOrSaysWhyNot) {
 }
 
 TEST(Together, MovesRandomMechanismsAsLevelsDo) {
+  const int all = test::random_count(120);
   int moved = 0;
-  for (std::uint64_t seed = 1; seed <= 120; ++seed) {
+  for (std::uint64_t seed = 1; seed <= static_cast<std::uint64_t>(all); ++seed) {
     Draw draw(seed);
     const Scene scene = seed % 2 == 0 ? test::planar_mechanism(draw) : test::spatial_mechanism(draw);
     const std::string with = seed % 3 == 0 ? "irreducible/lanes:16+together" : kTogether;
@@ -126,7 +128,7 @@ TEST(Together, MovesRandomMechanismsAsLevelsDo) {
     expect_the_same_run(scene, with, kLevels);
     if (testing::Test::HasFailure()) return;
   }
-  EXPECT_GE(moved, 60);
+  EXPECT_GE(moved, all / 3);
 }
 
 // Random dyads, each on an earlier one, whose driver makes a full turn: most reach a limit.
@@ -203,8 +205,9 @@ TEST(Together, MeasuresDistancesAsOtherStepsDo) {
 }
 
 TEST(Together, EndsWhereLevelsEnd) {
+  const int all = test::random_count(60);
   int stopped = 0, moved = 0;
-  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+  for (std::uint64_t seed = 1; seed <= static_cast<std::uint64_t>(all); ++seed) {
     Draw draw(seed);
     SCOPED_TRACE("seed " + std::to_string(seed));
     const Scene scene = chain_of_dyads(draw, 1 + draw.below(12));
@@ -217,8 +220,8 @@ TEST(Together, EndsWhereLevelsEnd) {
     ++(levels.report().status.arrived() ? moved : stopped);
     if (testing::Test::HasFailure()) return;
   }
-  EXPECT_GE(stopped, 20);
-  EXPECT_GE(moved, 3);
+  EXPECT_GE(stopped, all / 3);
+  EXPECT_GE(moved, all / 20);
 }
 
 TEST(Together, ReportsTheFoldAndTheAttemptsLevelAfterLevel) {

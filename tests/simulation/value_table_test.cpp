@@ -8,6 +8,7 @@
 
 #include "refusal.hpp"
 #include "simulation/ensembles.hpp"
+#include "simulation/random_count.hpp"
 #include "simulation/random_mechanisms.hpp"
 
 namespace assur::test {
@@ -161,7 +162,7 @@ TEST(ValueTable, BindsNumbersOfShippedScenes) {
 // Fixed points of random mechanisms move a little; what is written as the distance of points follows.
 TEST(ValueTable, BindsRandomMechanisms) {
   std::size_t bound = 0, all = 0;
-  for (std::uint64_t seed = 1; seed <= 30; ++seed) {
+  for (std::uint64_t seed = 1; seed <= static_cast<std::uint64_t>(test::random_count(30)); ++seed) {
     Draw draw(seed);
     const Scene scene = seed % 2 == 0 ? planar_mechanism(draw) : spatial_mechanism(draw);
     Parameters middle;

@@ -295,6 +295,39 @@ TEST(RedundantSets, ErrorsOfALengthAreRefusedByTheJointsOfTheLoop) {
   EXPECT_GE(simulator.report().error.position, 1e-12);
 }
 
+// What an error that is not refused does to the motion is at most three times what the run estimates.
+TEST(RedundantSets, SmallErrorsCountInTheEstimates) {
+  const std::vector<std::pair<std::string, Triple>> all = {
+      {"bennett", {1, 0, 0}}, {"goldberg", {0, 0, 1}}, {"bricard_joints", {0, 1, 0}}};
+  for (const auto& [name, along] : all) {
+    SCOPED_TRACE(name);
+    const Scene exact = sample(name);
+    for (const double error : {3e-12, -1e-11}) {
+      SCOPED_TRACE(error);
+      Simulator of_exact(prepare(with_error(exact, "C", {}))), simulator(prepare(with_error(
+          exact, "C", {error * along[0], error * along[1], error * along[2]})));
+      const Trajectory right = of_exact.run(), motion = simulator.run();
+      ASSERT_EQ(simulator.report().status.code, Code::ok);
+      ASSERT_EQ(motion.columns(), right.columns());
+      double largest[3] = {}, difference[3] = {};
+      for (std::size_t c = 0; c < motion.columns().size(); ++c) {
+        const std::string& column = motion.columns()[c];
+        const std::string kind = column.substr(column.rfind('.') + 1);
+        const std::size_t d = kind == "acceleration" || kind[0] == 'a' ? 2 : kind == "rate" || kind[0] == 'v' ? 1 : 0;
+        for (std::size_t k = 0; k < motion.rows(); ++k) {
+          largest[d] = std::max(largest[d], std::abs(right(k, c)));
+          difference[d] = std::max(difference[d], std::abs(motion(k, c) - right(k, c)));
+        }
+      }
+      const ErrorFigures& estimated = simulator.report().error;
+      EXPECT_GE(difference[0], 1e-3 * *estimated.estimated_position * largest[0]);
+      EXPECT_LE(difference[0], 3 * *estimated.estimated_position * largest[0]);
+      EXPECT_LE(difference[1], 3 * *estimated.estimated_velocity * largest[1]);
+      EXPECT_LE(difference[2], 3 * *estimated.estimated_acceleration * largest[2]);
+    }
+  }
+}
+
 // Two drivers on a mechanism with one freedom.
 TEST(RedundantSets, DriversThatContradictALoopAreRefused) {
   const auto driven = [](double second) {

@@ -1,6 +1,7 @@
 #include "check/closed_forms.hpp"
 
 #include <charconv>
+#include <numbers>
 
 #include "scene/law_evaluate.hpp"
 
@@ -45,6 +46,40 @@ ClosedForm piston(const Scene& scene) {
   };
 }
 
+// A four-bar whose joint C lies on the left of the line from B to D.
+ClosedForm four_bar(const Scene& scene) {
+  const auto at = [&scene](const std::string& name) {
+    for (const Point& p : scene.points()) {
+      if (p.name == name) return p.at;
+    }
+    throw Error(Error::Kind::input, "the closed form needs a point '" + name + "'");
+  };
+  const auto length = [&scene](const std::string& name) {
+    for (const Constraint& c : scene.constraints()) {
+      if (c.name == name) return *c.as<Distance>()->value;
+    }
+    throw Error(Error::Kind::input, "the closed form needs a distance '" + name + "'");
+  };
+  return [scene, A = at("A"), D = at("D"), crank = length("crank"), coupler = length("coupler"),
+          rocker = length("rocker")](const std::string& output, double t) -> std::optional<std::array<LongJet, 3>> {
+    const std::array<LongJet, 3> B = on_circle(A, crank, motor(scene, t));
+    if (output == "B") return B;
+    if (output == "C") return meet(B, coupler, D, rocker);
+    return std::nullopt;
+  };
+}
+
+// A point P that turns about the origin once a second, at a distance of 1 m, and its angle.
+ClosedForm unit_circle() {
+  return [](const std::string& output, double t) -> std::optional<std::array<LongJet, 3>> {
+    constexpr long double kTurn = 2 * std::numbers::pi_v<long double>;
+    const LongJet angle{kTurn * t, kTurn, 0};
+    if (output == "angle") return std::array<LongJet, 3>{angle, LongJet{}, LongJet{}};
+    if (output == "P") return on_circle({0, 0, 0}, 1, angle);
+    return std::nullopt;
+  };
+}
+
 // C = 2 r cos(angle) along the rail: the smooth continuation of the motion where the rod is perpendicular to the rail.
 ClosedForm equal_slider_crank(const Scene& scene) {
   const double length = *scene.constraints().at(0).as<Distance>()->value;
@@ -76,6 +111,8 @@ ClosedForm closed_form(const std::string& name, const Scene& scene) {
   if (name == "parallelograms" || name == "parallelogram") return rhombi(scene, 2);
   if (name == "equal_slider_crank") return equal_slider_crank(scene);
   if (name == "piston") return piston(scene);
+  if (name == "four_bar") return four_bar(scene);
+  if (name == "unit_circle") return unit_circle();
   throw Error(Error::Kind::input, "there is no closed form '" + name + "'");
 }
 
