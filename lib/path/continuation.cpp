@@ -24,37 +24,21 @@ bool worth_halving(Code code) {
          code == Code::not_finite;
 }
 
-// Lengths of the parts of a step that is divided because attempts fail.
-class Parts {
+// A nearly singular posture that a step passes: the second derivatives of the unknowns by the drivers are large there,
+// and much smaller at both ends of the step.
+class NearPass {
  public:
-  bool explained = false;  // another event tells why parts are short
-  double shortest = kInfinity, from = 0, until = 0;
-  Place about;
+  double peak = 0, from = 0, until = 0;  // largest bend of a part of the step, and the part
 
-  void reject(Place where) {
-    rejected_ = true;
-    failed_ = where;
+  // bend: that of the posture at `end`.
+  void see(double bend, double begin, double end) {
+    if (bend > peak) peak = bend, from = begin, until = end;
   }
-  // A part that was not shortened to meet the end of the step.
-  void arrive(double begin, double end) {
-    const double length = std::abs(end - begin);
-    if (rejected_ && length < shortest) {
-      shortest = length, from = begin, until = end, about = failed_;
-      before_ = std::max(before_, std::exchange(after_, 0));
-    } else {
-      after_ = std::max(after_, length);
-    }
+  // at_ends: the larger one of the bends at both ends.
+  [[nodiscard]] bool is_passed(double at_ends) const {
+    constexpr double kBends = 1000, kOfEnds = 16;  // regular mechanisms have bends of 1 to 10
+    return peak >= kBends && peak >= kOfEnds * at_ends;
   }
-  // Fast laws and long steps make all parts of a step short, a singularity that is passed only those next to it.
-  [[nodiscard]] bool near_singular(double step) const {
-    constexpr double kOfStep = 32, kOfOthers = 8;
-    return !explained && shortest <= step / kOfStep && shortest <= std::min(before_, after_) / kOfOthers;
-  }
-
- private:
-  bool rejected_ = false;
-  double before_ = 0, after_ = 0;  // longest parts before and after the shortest one
-  Place failed_;
 };
 
 // Where to start instead of a posture at which branches cross.
@@ -529,7 +513,10 @@ Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
   approach_.clear();
   largest_correction_ = kSureOfBranch;
   if (on_change_point()) expand();
-  Parts parts;
+  NearPass near;
+  double bend_at_begin = 0;
+  bool explained = false;  // another event tells why
+  Place failed;
   int in_a_row = 0;  // attempts that were rejected; from kExpandAfter on the count is kept
   for (bool is_first = true; now_ != t; is_first = false) {
     if (!is_first && limits_.stop && limits_.stop()) return {Code::interrupted, {}, now_};
@@ -541,7 +528,7 @@ Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
     const Status s = try_step(target, Attempt::Branch::inside);
     if (s.ok()) {
       if (in_a_row < kExpandAfter) in_a_row = 0;
-      if (std::abs(h) == stride.length) parts.arrive(before, now_);
+      if (expands_) near.see(bend(), before, now_);
       if (now_ == t) break;  // a last stride that was shortened is no evidence for full strides
       stride.arrive();
       if (stride.length > kPassed * first) {  // the failure was passed
@@ -555,6 +542,7 @@ Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
       }
       continue;
     }
+    if (!divided_) bend_at_begin = bend();
     tell_before_dividing();
     if (s.code == Code::stop_reached) return s;
     if (turned_ > 1) {
@@ -563,7 +551,7 @@ Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
     }
     ++report_.counters.rejected;
     ++in_a_row;
-    parts.reject(s.where);
+    failed = only_group(s.where);
     if (rejected_ >= kMostRejected) {
       record({now_, target, only_group(s.where), Code::branch_unknown, s.figure}, std::abs(t - target));
       return {Code::branch_unknown, s.where, s.figure};
@@ -596,16 +584,28 @@ Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
     passes_ = false;
     if (!found.ok()) return found;
     if (now_ != before) {
-      parts.explained = true;
+      explained = true;
       if (const Status stop = check_limits_passed(before); !stop.ok()) return stop;
     }
     stride.set(shortest_);
   }
-  if (parts.near_singular(std::abs(span))) {
-    record({parts.from, parts.until, only_group(parts.about), Code::near_singular, std::abs(span) / parts.shortest},
-           std::abs(span));
+  if (!explained && near.is_passed(std::max(bend_at_begin, bend()))) {
+    record({near.from, near.until, failed, Code::near_singular, near.peak}, std::abs(span));
   }
   return {};
+}
+
+// The largest acceleration of an unknown over what the drivers explain in a regular posture: the sum of their largest
+// acceleration and the square of their largest rate.
+double Continuation::bend() const {
+  const auto largest = [&](int d, std::size_t begin, std::size_t end) {
+    double out = 0;
+    for (std::size_t i = begin; i < end; ++i) out = std::max(out, std::abs(state_.accepted(d)[i]));
+    return out;
+  };
+  const std::size_t known = layout_.first_unknown;
+  const double rate = largest(1, 0, known), drivers = rate * rate + largest(2, 0, known);
+  return drivers > 0 ? largest(2, known, layout_.size) / drivers : 0;
 }
 
 // If a step did not arrive, the last good posture is kept, which may lie on its way.

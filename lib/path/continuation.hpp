@@ -202,6 +202,7 @@ class Continuation {
   void accept(double t, const StepErrors& errors);
   [[nodiscard]] Status check_aim(double t);
   [[nodiscard]] Status advance(double t, bool may_reselect, Stride& stride);
+  [[nodiscard]] double bend() const;
   void end_step(bool arrived);
   void predict(double target);
   void expand();

@@ -56,10 +56,10 @@ inline Prepared prepare_in_turn(const Scene& scene, int i) {
   return prepare(scene, {.strategy = "irreducible/eigen"});
 }
 
-// The events of the motion, without doubts about its accuracy.
+// The events of the motion, without those about its accuracy and about postures that it passes closely.
 [[nodiscard]] inline std::vector<Event> events(const Report& report) {
   std::vector<Event> all = report.events;
-  std::erase_if(all, [](const Event& e) { return e.kind == Code::inaccurate; });
+  std::erase_if(all, [](const Event& e) { return e.kind == Code::inaccurate || e.kind == Code::near_singular; });
   return all;
 }
 

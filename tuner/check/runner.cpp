@@ -9,6 +9,7 @@
 #include "assur/plan.hpp"
 #include "assur/simulator.hpp"
 #include "check/condition.hpp"
+#include "check/doubt.hpp"
 #include "check/makers.hpp"
 #include "check/matrices.hpp"
 #include "check/strategies.hpp"
@@ -136,7 +137,7 @@ class CaseRun {
     if (made_->closed_form) return trajectory.rows();  // a closed form is on the right branch
     double until = HUGE_VAL;
     for (const Event& e : report.events) {
-      if (e.kind != Code::inaccurate) until = std::min(until, e.time);
+      if (doubts_branch(e)) until = std::min(until, e.time);
     }
     const auto& times = trajectory.times();
     return static_cast<std::size_t>(std::upper_bound(times.begin(), times.end(), until) - times.begin());
@@ -148,7 +149,7 @@ class CaseRun {
     if (const double residual = report.error.residual(); !std::isnan(residual)) run.backward_error = residual;
     run.verdict = report.status.ok() ? "pass" : std::string(name(report.status.code));
     for (const Event& e : report.events) {
-      if (report.status.ok() && e.kind != Code::inaccurate) run.verdict = name(e.kind);
+      if (report.status.ok() && doubts_branch(e)) run.verdict = name(e.kind);
     }
     double untold = 0;
     try {

@@ -8,6 +8,7 @@
 #include <variant>
 
 #include "assur/simulator.hpp"
+#include "check/doubt.hpp"
 #include "check/plain_motion.hpp"
 
 namespace assur::check {
@@ -213,7 +214,7 @@ class Trying {
     const double reached = report.reached;
     if (lost < HUGE_VALL) {
       for (const Event& e : report.events) {
-        if (e.kind != Code::inaccurate && e.time <= lost + 0.02L * (times[1] - times[0]))
+        if (doubts_branch(e) && e.time <= lost + 0.02L * (times[1] - times[0]))
           return void(end(Verdict::stopped_rightly, "an event at the singularity"));
       }
       end(Verdict::undecided,
@@ -267,7 +268,7 @@ class Trying {
   static bool is_clean(const Report& report, double t) {
     return std::none_of(report.events.begin(), report.events.end(), [t](const Event& e) {
       // After any other event the branch is in doubt until the end.
-      return e.kind == Code::inaccurate ? e.time <= t && t <= e.until : e.time <= t;
+      return e.kind == Code::inaccurate ? e.time <= t && t <= e.until : doubts_branch(e) && e.time <= t;
     });
   }
 
