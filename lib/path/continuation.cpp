@@ -472,8 +472,7 @@ void Continuation::accept(double t, const StepErrors& errors) {
   errors.add_to(report_.error);
 }
 
-void Continuation::start_clock() {
-  if (limits_.seconds <= 0) return;
+void Continuation::set_deadline() {
   constexpr double kLongestTime = 1e9;  // 30 years; the clock counts nanoseconds up to 300
   deadline_ = clock_() + std::chrono::duration_cast<std::chrono::steady_clock::duration>(
                              std::chrono::duration<double>(std::min(limits_.seconds, kLongestTime)));
@@ -485,7 +484,9 @@ Status Continuation::step_to(double t, bool may_reselect, Stride& stride) {
   wants_reselection_ = false;
   divided_ = false;
   if (t == now_) return {};
-  if (const Status s = check_aim(t); !s.ok()) return s;
+  if (!std::isfinite(t) || !inputs_.controls().empty()) {
+    if (const Status s = check_aim(t); !s.ok()) return s;
+  }
   at_begin_ = {converged_, watched_level_, turn_guessed_};
   bows_.begin_step();
   Status status;
@@ -589,7 +590,7 @@ Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
     }
     stride.set(shortest_);
   }
-  if (!explained && near.is_passed(std::max(bend_at_begin, bend()))) {
+  if (!explained && near.peak > 0 && near.is_passed(std::max(bend_at_begin, bend()))) {
     record({near.from, near.until, failed, Code::near_singular, near.peak}, std::abs(span));
   }
   return {};

@@ -110,7 +110,9 @@ class Continuation {
 
   using Clock = std::chrono::steady_clock::time_point (*)();
   // Begins a call, whose work shares one deadline (StepLimits::seconds).
-  void start_clock();
+  void start_clock() {
+    if (limits_.seconds > 0) set_deadline();
+  }
   void use_clock(Clock clock) { clock_ = clock; }
   // Continues the call of another continuation.
   void take_clock(const Continuation& other) {
@@ -202,6 +204,7 @@ class Continuation {
   void accept(double t, const StepErrors& errors);
   [[nodiscard]] Status check_aim(double t);
   [[nodiscard]] Status advance(double t, bool may_reselect, Stride& stride);
+  void set_deadline();
   [[nodiscard]] double bend() const;
   void end_step(bool arrived);
   void predict(double target);

@@ -18,11 +18,6 @@ void EventLog::clear() {
   is_bounded_ = false;
 }
 
-void EventLog::bound() {
-  is_bounded_ = true;
-  if (kept_.size() >= kMost) drop(kept_.size() - kMost / 2);
-}
-
 void EventLog::add(Noticed event) {
   if (is_bounded_ && kept_.size() == kept_.capacity()) drop(kMost / 2);
   kept_.push_back(std::move(event));

@@ -44,7 +44,10 @@ class EventLog {
   // Begins anew, as the log of a run, which keeps all events and grows.
   void clear();
   // Before a single step: bounds the memory. Within the step no memory is added.
-  void bound();
+  void bound() {
+    is_bounded_ = true;
+    if (kept_.size() >= kMost) drop(kept_.size() - kMost / 2);
+  }
 
   [[nodiscard]] std::int64_t end() const { return dropped_ + std::ssize(kept_); }
   [[nodiscard]] std::int64_t dropped() const { return dropped_; }

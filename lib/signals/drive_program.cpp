@@ -258,10 +258,6 @@ double DriveProgram::bow_of_function(const Law::Function& law, Other& of, double
   return std::isfinite(found) ? found : 0;
 }
 
-void DriveProgram::accept() {
-  for (Other& o : others_) o.from = o.to;
-}
-
 void DriveProgram::place_as(const DriveProgram& other, double* const (&state)[3], std::size_t stride) const {
   double *const q = state[0], *const rate = state[1], *const acceleration = state[2];
   const std::vector<double>(&jets)[3] = other.jets_;

@@ -54,7 +54,9 @@ class DriveProgram {
   // meaningless
   void bows(double from, double to, std::span<double> bows);
   // To be called when a step to the time of the last evaluate() is accepted.
-  void accept();
+  void accept() {
+    for (Other& o : others_) o.from = o.to;
+  }
   // Values of the laws that are angles, unwrapped.
   [[nodiscard]] std::span<const double> angles() const { return {jets_[0].data(), angles_}; }
   // Writes the driven coordinates. state[d]: d-th derivative, indexed by coordinate * stride.

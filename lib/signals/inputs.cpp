@@ -27,7 +27,6 @@ Motion blend(const Motion& a, const Motion& b, double start, double end, double 
          (d * d / 2 * a.acceleration) * (r3 * s * s) + (d * d / 2 * b.acceleration) * (s3 * r * r);
 }
 
-constexpr double kEqualSteps = 1e-10;  // steps of a grid differ by the rounding of times
 constexpr int kLooks = 16;             // samples of a lever along its way
 constexpr double kHidden = 0x1p-20;    // a smaller bow hides nothing; typical lengths are 1
 constexpr int kBisections = 40;        // in the search for its minimum
@@ -138,7 +137,11 @@ void Inputs::expand_about(double t) {
 
 Status Inputs::drive(double t, double* const (&state)[3]) {
   if (std::isnan(expanded_about_)) {
-    evaluate(t);
+    if (controls_.empty()) {
+      program_.evaluate(t);
+    } else {
+      evaluate(t);
+    }
   } else {
     program_.expand(t - expanded_about_);
   }
@@ -160,9 +163,8 @@ Status Inputs::why_undefined(double t) const {
   return {code, {}, t};
 }
 
-bool Inputs::renew_bows(double from, double to) {
+void Inputs::compute_bows(double from, double to) {
   const double h = std::abs(to - from);
-  if (std::abs(h - length_of_bows_) <= kEqualSteps * h) return false;
   program_.bows(from, to, bows_);
   length_of_bows_ = program_.bends_evenly() ? h : kNan;
   for (const Control& c : controls_) {
@@ -171,7 +173,6 @@ bool Inputs::renew_bows(double from, double to) {
         bow_of_quintic(c.from, c.to, c.end - c.start, to - from) * program_.scale(c.slot);
     length_of_bows_ = kNan;
   }
-  return true;
 }
 
 void Inputs::lean(std::span<const double> rates, double* const (&state)[3]) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -67,7 +68,12 @@ class Inputs {
 
   // Computes how far each law of the program may leave its chord on a step whose end drive() has reached, internal
   // units. False if bows() are still those of the last step.
-  [[nodiscard]] bool renew_bows(double from, double to);
+  [[nodiscard]] bool renew_bows(double from, double to) {
+    const double h = std::abs(to - from);
+    if (std::abs(h - length_of_bows_) <= kEqualSteps * h) return false;
+    compute_bows(from, to);
+    return true;
+  }
   [[nodiscard]] std::span<const double> bows() const { return bows_; }
   // False if that is 0 for all laws and steps.
   [[nodiscard]] bool bends() const { return program_.bends() || !controls_.empty(); }
@@ -139,6 +145,8 @@ class Inputs {
     return system_.inputs[c.input].laws[static_cast<std::size_t>(c.law)](t);
   }
   void compile(const Driven& driven);
+  static constexpr double kEqualSteps = 1e-10;  // steps of a grid differ by the rounding of times
+  void compute_bows(double from, double to);
   void evaluate(double t);
 
   const System& system_;
