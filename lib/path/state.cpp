@@ -63,14 +63,14 @@ State::Prediction State::begin_prediction(double t) {
   const PredictionWeights& w = weights_.at(predictor_, times_, t);
   Prediction out;
   std::int32_t count = 0;
+  std::size_t place = rings_[0].place(last());  // derivatives that are read lie in the same places
   for (std::size_t p = 0; p < static_cast<std::size_t>(w.postures); ++p) {
-    const std::size_t place = rings_[0].place(last() + p);  // derivatives that are read lie in the same places
-    for (int d = 0; d < levels_; ++d) {
-      const double weight = w.weight[p][static_cast<std::size_t>(d)];
-      if (weight == 0) continue;
-      out.sources[count] = ring(d).postures[place].data() + first_unknown_;
-      out.weights[count++] = weight;
+    for (std::size_t d = 0; d < static_cast<std::size_t>(levels_); ++d) {
+      out.sources[count] = rings_[d].postures[place].data() + first_unknown_;
+      out.weights[count] = w.weight[p][d];
+      if (w.weight[p][d] != 0) ++count;
     }
+    if (++place == rings_[0].count) place = 0;
   }
   out.count = count;
   return out;

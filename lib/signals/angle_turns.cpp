@@ -11,7 +11,6 @@
 
 namespace assur {
 namespace {
-constexpr double kStepOfDrivers = 1;  // rad
 constexpr double kFirstSteps = 16;    // bound for a path of unknown shape: four times the chord, squared
 constexpr double kMostBow = 0.25;     // of a vector, relative to its length: the inverse of a Jacobian may grow
 constexpr double kNoise = 1e-12;      // relative to the terms of a vector: a shorter vector has no direction
@@ -109,17 +108,6 @@ void AngleTurns::restore(const Snapshot& from) {
   now_ = from.arms;
   turns_ = from.turns;
   bows_ = from.bows;
-}
-
-double turned(std::span<const double> from, std::span<const double> to, std::span<const double> bows, int together,
-              int teeth) {
-  double sum = 0, largest = 0;
-  for (std::size_t i = 0; i < from.size(); ++i) {
-    const double by = std::abs(to[i] - from[i]) + (bows.empty() ? 0 : bows[i]);
-    sum += by;
-    largest = std::max(largest, by);
-  }
-  return std::min(sum, together * largest) * teeth / kStepOfDrivers;
 }
 
 int angles_together(const System& s, const Structure& structure) {

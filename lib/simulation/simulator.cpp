@@ -74,7 +74,9 @@ Status Simulator::go_to(double t) {
     impl_->in_one_piece = true;
   }
   if (!status.ok() || t == from) return status.ok() ? impl_->tell_verdict(from) : status;
-  if (auto next = impl_->reselected_if_poor()) Impl::replace(impl_, std::move(next));
+  if (impl_->prepared.reselect) {
+    if (auto next = impl_->reselected_if_poor()) Impl::replace(impl_, std::move(next));
+  }
   return impl_->check_accuracy(from);
 }
 

@@ -424,7 +424,7 @@ struct Simulator::Impl {
 
   // Chooses another set before the current one is close to being dependent.
   std::unique_ptr<Impl> reselected_if_poor() {
-    return prepared.reselect && motion.set_is_poor() ? reselected() : nullptr;
+    return motion.set_is_poor() ? reselected() : nullptr;
   }
 
   // ---- results
