@@ -133,7 +133,7 @@ class Continuation {
   // An event of this motion with its texts, also of a continuation that this one replaced.
   [[nodiscard]] Event in_words(const Noticed& event) const;
 
-  // Rejected attempts at the current step. After 100,000 the step fails as branch_unknown. The first part of a step
+  // Rejected attempts at the current step. After 40,000 the step fails as branch_unknown. The first part of a step
   // begins to count at 0; further parts continue.
   [[nodiscard]] std::int64_t rejected() const { return rejected_; }
   void count_rejected_from(std::int64_t count) { rejected_ = count; }
@@ -184,7 +184,7 @@ class Continuation {
   static constexpr double kSmallestStep = 1.0 / (1 << kStepHalvings);
   // Largest first correction behind a change point, over the distance of the branches, which is that of the move.
   static constexpr double kSureOfBranch = 1e-3;
-  static constexpr int kMostRejected = 100000;  // attempts at one step for any reason
+  static constexpr int kMostRejected = 40000;  // attempts at one step for any reason
 
   void repeat_in_idle_lanes();
   void tell_before_dividing();

@@ -381,7 +381,7 @@ TEST(BetweenRows, RandomScenesDoNotDependOnRowsAndOutputs) {
         const std::string where =
             "seed " + std::to_string(seed) + ", " + std::to_string(rows) + " rows, " + outputs[0] + ", " + way;
         ++runs;
-        // 100,000 rejected attempts are too few for some steps; turns of angles without direction are guesses.
+        // 40,000 rejected attempts are too few for some steps; turns of angles without direction are guesses.
         const auto is_open = [](const End& e) {
           return e.status.code == Code::branch_unknown || e.status.code == Code::inaccurate;
         };
