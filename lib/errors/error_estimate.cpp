@@ -126,12 +126,12 @@ void ErrorEstimate::restart(std::span<const System* const> systems, std::span<co
     m.least.assign(m.smallest.size(), 0.0);
     m.most.assign(m.smallest.size(), kInfinity);
     m.laws.assign(laws, {});
-    m.before = m.step = m.serves = 0;
+    m.before = m.step = m.serves = m.redundant = 0;
   }
   residual_ = kUsual;
   steps_ = branch_checks_ = measurements_ = 0;
   seed_ = 0;
-  worst_ = gain_ = left_ = contradiction_ = 0;
+  worst_ = gain_ = left_ = 0;
   growth_of_group_ = growth_along_paths_ = confirmed_ = 1;
   loose_ = false;
 }
@@ -469,11 +469,20 @@ void ErrorEstimate::finish(const double* const (&state)[3], std::span<const doub
   confirm_growth(before);
 }
 
-// The residual of the redundant equations, if errors of the posture do not explain it.
-double ErrorEstimate::unexplained() const {
-  double error = 0;
-  for (std::size_t i = 0; i < used_; ++i) error = std::max(error, mechanisms_[i].now.position);
-  return contradiction_ > error ? kGrownTwice * contradiction_ : 0;
+// The residuals of the redundant equations that errors of the posture do not explain, by lanes. False: there are none.
+bool ErrorEstimate::find(Contradictions& contradictions) const {
+  bool found = false;
+  for (std::size_t i = 0; i < used_; ++i) {
+    const Mechanism& m = mechanisms_[i];
+    if (!(m.redundant > m.now.position)) continue;
+    found = true;
+    if (mechanisms_.size() > 1) {
+      contradictions[i] = kGrownTwice * m.redundant;
+    } else {
+      contradictions.fill(kGrownTwice * m.redundant);
+    }
+  }
+  return found;
 }
 
 // before: the largest error at the last measurement.

@@ -71,7 +71,8 @@ class ErrorEstimate {
                              const Each& each, const Late& late) {
     begin(times, state);
     std::atomic<bool> ends = false;
-    double contradiction = 0;
+    Contradictions contradictions{};
+    bool again = false;
     do {
       each([&](std::size_t p, GroupSolver& solver) {
         if (ends || late()) {
@@ -81,7 +82,7 @@ class ErrorEstimate {
         const PackLimit& limit = layout_.limits[p];
         if (limit.exists()) solver.perturb(layout_.packs[p], limit, state, probes(), seed_);
         regular_[p] =
-            limit.exists() || solver.perturb(layout_.packs[p], state, probes(), contradiction, seed_) ? 1 : 0;
+            limit.exists() || solver.perturb(layout_.packs[p], state, probes(), contradictions, seed_) ? 1 : 0;
       });
       if (ends) {
         steps_ = interval_;
@@ -89,7 +90,8 @@ class ErrorEstimate {
         return false;
       }
       finish(state, rows);
-    } while (contradiction == 0 && (contradiction = unexplained()) > 0);
+      again = !again && find(contradictions);
+    } while (again);
     for (std::size_t i = 0; i < used_; ++i) watch_divisors(mechanisms_[i], divisors[i]);
     return true;
   }
@@ -102,9 +104,9 @@ class ErrorEstimate {
   [[nodiscard]] double residual_for(double error) const { return knows_gain_ ? error / gain_ : 0; }
   // Tells the estimate that equations are solved to a larger residual until the next measurement.
   void loosen(bool loose) { loose_ = loose; }
-  // Tells the estimate the largest relative residual of the redundant equations until the next call. If it is larger
+  // Tells the next measurement the largest relative residual of the redundant equations of a mechanism. If it is larger
   // than the errors of the posture, the numbers of the scene contradict each other by so much, in whatever equations.
-  void contradict(double residual) { contradiction_ = residual; }
+  void contradict(std::size_t mechanism, double residual) { mechanisms_[mechanism].redundant = residual; }
 
   // True if errors were measured since restart(), and if anything is driven or solved.
   [[nodiscard]] bool measured() const {
@@ -158,6 +160,7 @@ class ErrorEstimate {
     std::vector<double> fast;     // driven_: largest rates and accelerations for which the last measurement is valid
     double before = 0, step = 0;  // time of the last step, and its length, s
     double measured = 0, serves = 0;  // time of the last measurement, and how long the rounding of its laws serves, s
+    double redundant = 0;             // residual of the redundant equations
     std::vector<Jet<double>> laws;    // bounds of the rounding of the evaluated laws, internal units
   };
   void find_reads();
@@ -170,7 +173,7 @@ class ErrorEstimate {
   [[nodiscard]] bool has_grown(const Mechanism& m) const;
   void perturb_known(const double* const (&state)[3], const Probe& probe);
   void find_worst();
-  [[nodiscard]] double unexplained() const;
+  [[nodiscard]] bool find(Contradictions& contradictions) const;
   void finish(const double* const (&state)[3], std::span<const double* const> rows);
   void carry(const Probe& probe, const double* const (&state)[3]);
   [[nodiscard]] bool conditions_have_grown(std::int64_t branch_checks, double error);
@@ -210,7 +213,6 @@ class ErrorEstimate {
   std::int64_t steps_ = 0, interval_ = 0;
   std::int64_t measurements_ = 0;
   std::uint64_t seed_ = 0;
-  double contradiction_ = 0;
   double worst_ = 0;  // largest error of all mechanisms at the last measurement
   bool knows_gain_ = false;
   double gain_ = 0;  // largest error of all mechanisms for a unit relative residual

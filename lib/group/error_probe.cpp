@@ -64,9 +64,9 @@ ErrorProbe::ErrorProbe(const System& system, Workspace& work, JacobianSolver& so
   unknowns_.resize(error_.size());
 }
 
-bool ErrorProbe::perturb(Pack& pack, const double* const (&state)[3], Probes probes, double contradiction,
-                         std::uint64_t seed) {
-  contradiction_ = contradiction;
+bool ErrorProbe::perturb(Pack& pack, const double* const (&state)[3], Probes probes,
+                         const Contradictions& contradictions, std::uint64_t seed) {
+  contradictions_ = contradictions;
   solver_.choose(pack);
   work_.set_inputs(pack, state[0]);
   const double* const x = state[0] + pack.unknowns;
@@ -244,10 +244,11 @@ bool ErrorProbe::error_of(Pack& pack, const LaneArray& left, Probes probes, int 
       const bool is_left = some[k].cause == Probe::Cause::left;
       RandomSign sign(seed + (pack.unknowns * 3 + d) * probes.size() + first + k);
       const bool rounds = some[k].cause == Probe::Cause::rounding;
-      const double of_noise = rounds ? kSumRounding : 0, of_tolerance = rounds ? contradiction_ : kSumRounding;
+      const double of_noise = rounds ? kSumRounding : 0;
       const double* from = error_.data() + k * lanes_;
       for (std::size_t i = 0; i < size_; from += side_by_side_ * lanes_) {
         for (std::size_t l = 0; l < lanes_; ++l, ++i) {
+          const double of_tolerance = rounds ? contradictions_[l] : kSumRounding;
           *e++ = from[l] + (is_left ? left[i] : sign() * (of_noise * noise_[i] + of_tolerance * tolerance_[i]));
         }
       }

@@ -395,8 +395,10 @@ bool Tile::errors_are_due() {
 
 void Tile::measure_errors(std::span<const double> times, std::span<const double* const> rows) {
   const double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
-  std::int32_t worst = 0;
-  estimate_.contradict(watched(worst));
+  const bool redundant = !structure_->watch_class.equations.empty();
+  for (std::size_t lane = 0; lane < variants_.size() && redundant; ++lane) {
+    estimate_.contradict(lane, watch_[lane]->residual(state_.at(0) + lane));
+  }
   estimate_.measure(times, q, rows, divisors_, [&](const auto& work) {
     for (std::size_t p = 0; p < layout_.packs.size(); ++p) work(p, *layout_.solvers[idx(layout_.packs[p].group_class)]);
   });
@@ -427,7 +429,7 @@ Status Tile::check_levers(std::size_t begin, std::size_t end, std::size_t lane, 
 // Largest relative residual of the watched equations, and the lane.
 double Tile::watched(std::int32_t& worst) {
   double largest = 0;
-  for (std::size_t lane = 0; lane < variants_.size() && !structure_->watch_class.equations.empty(); ++lane) {
+  for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
     counters_.evaluated_equations += static_cast<std::int64_t>(watch_[lane]->equations());
     const double r = watch_[lane]->residual(state_.at(0) + lane);
     if (r <= largest) continue;

@@ -255,7 +255,7 @@ struct Simulator::Impl {
     const double* const q[3] = {motion.at(0), motion.at(1), motion.at(2)};
     const double now = motion.time();
     const double *const of = row.data(), *const divided_by = divisors.data();
-    estimate.contradict(motion.contradiction());
+    estimate.contradict(0, motion.contradiction());
     return estimate.measure(
         {&now, 1}, q, {&of, 1}, {&divided_by, 1}, [&](const auto& work) { motion.levels().each(work); },
         [&] { return in_time && motion.deadline_passed(); });
