@@ -9,6 +9,7 @@
 #include "group/step_rules.hpp"
 #include "index.hpp"
 #include "numbers.hpp"
+#include "path/near_pass.hpp"
 #include "scene/names.hpp"
 #include "scene/residual_scale.hpp"
 
@@ -23,23 +24,6 @@ bool worth_halving(Code code) {
   return code == Code::branch_unknown || code == Code::not_converged || code == Code::singular ||
          code == Code::not_finite;
 }
-
-// A nearly singular posture that a step passes: the second derivatives of the unknowns by the drivers are large there,
-// and much smaller at both ends of the step.
-class NearPass {
- public:
-  double peak = 0, from = 0, until = 0;  // largest bend of a part of the step, and the part
-
-  // bend: that of the posture at `end`.
-  void see(double bend, double begin, double end) {
-    if (bend > peak) peak = bend, from = begin, until = end;
-  }
-  // at_ends: the larger one of the bends at both ends.
-  [[nodiscard]] bool is_passed(double at_ends) const {
-    constexpr double kBends = 1000, kOfEnds = 16;  // regular mechanisms have bends of 1 to 10
-    return peak >= kBends && peak >= kOfEnds * at_ends;
-  }
-};
 
 // Where to start instead of a posture at which branches cross.
 std::string start_beside(const System& system, double time) {
@@ -515,9 +499,6 @@ Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
   largest_correction_ = kSureOfBranch;
   if (on_change_point()) expand();
   NearPass near;
-  double bend_at_begin = 0;
-  bool explained = false;  // another event tells why
-  Place failed;
   int in_a_row = 0;  // attempts that were rejected; from kExpandAfter on the count is kept
   for (bool is_first = true; now_ != t; is_first = false) {
     if (!is_first && limits_.stop && limits_.stop()) return {Code::interrupted, {}, now_};
@@ -543,7 +524,7 @@ Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
       }
       continue;
     }
-    if (!divided_) bend_at_begin = bend();
+    if (!divided_) near.begin(bend());
     tell_before_dividing();
     if (s.code == Code::stop_reached) return s;
     if (turned_ > 1) {
@@ -552,7 +533,7 @@ Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
     }
     ++report_.counters.rejected;
     ++in_a_row;
-    failed = only_group(s.where);
+    near.fail(only_group(s.where));
     if (rejected_ >= kMostRejected) {
       record({now_, target, only_group(s.where), Code::branch_unknown, s.figure}, std::abs(t - target));
       return {Code::branch_unknown, s.where, s.figure};
@@ -585,14 +566,12 @@ Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
     passes_ = false;
     if (!found.ok()) return found;
     if (now_ != before) {
-      explained = true;
+      near.explain();
       if (const Status stop = check_limits_passed(before); !stop.ok()) return stop;
     }
     stride.set(shortest_);
   }
-  if (!explained && near.peak > 0 && near.is_passed(std::max(bend_at_begin, bend()))) {
-    record({near.from, near.until, failed, Code::near_singular, near.peak}, std::abs(span));
-  }
+  if (near.is_possible() && near.is_passed(bend())) record(near.event(), std::abs(span));
   return {};
 }
 

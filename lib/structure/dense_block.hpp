@@ -28,7 +28,7 @@ class DenseBlock {
   [[nodiscard]] Eigen::VectorXd residuals(const std::vector<double>& q) const {
     Eigen::VectorXd phi(rows());
     for (Eigen::Index i = 0; i < rows(); ++i) {
-      phi[i] = residual<double>(system_, equations_[static_cast<std::size_t>(i)], q);
+      phi[i] = residual<double>(system_, equation(i), q);
     }
     return phi;
   }
@@ -60,18 +60,52 @@ class DenseBlock {
     return j;
   }
 
+  // The second derivatives of all equations by the unknowns, each times a weight, in one sum: without functions of the
+  // program.
+  [[nodiscard]] Eigen::SparseMatrix<double> weighted_curvature(const Eigen::VectorXd& weights) const {
+    std::vector<Eigen::Triplet<double>> triplets;
+    number_columns();
+    for (Eigen::Index i = 0; i < rows(); ++i) {
+      for (const Product& p : system_.products_of(system_.equations[static_cast<std::size_t>(equation(i))])) {
+        for (const Term& a : system_.form(p.a)) {
+          for (const Term& b : system_.form(p.b)) {
+            const Index row = column_of(a.coordinate), column = column_of(b.coordinate);
+            if (row < 0 || column < 0) continue;
+            const double value = weights[i] * constant(p.constant) * constant(a.constant) * constant(b.constant);
+            triplets.emplace_back(row, column, value);
+            triplets.emplace_back(column, row, value);
+          }
+        }
+      }
+    }
+    forget_columns();
+    Eigen::SparseMatrix<double> sum(columns(), columns());
+    sum.setFromTriplets(triplets.begin(), triplets.end());
+    return sum;
+  }
+
  private:
-  template <class Put>
-  void entries(const std::vector<double>& q, Put&& put) const {
+  [[nodiscard]] Index equation(Eigen::Index row) const { return equations_[static_cast<std::size_t>(row)]; }
+  [[nodiscard]] double constant(Index c) const { return system_.constants[static_cast<std::size_t>(c)]; }
+  [[nodiscard]] Index column_of(Index coordinate) const { return column_[static_cast<std::size_t>(coordinate)]; }
+  void number_columns() const {
     for (std::size_t j = 0; j < unknowns_.size(); ++j)
       column_[static_cast<std::size_t>(unknowns_[j])] = static_cast<Index>(j);
+  }
+  void forget_columns() const {
+    for (const Index u : unknowns_) column_[static_cast<std::size_t>(u)] = -1;
+  }
+
+  template <class Put>
+  void entries(const std::vector<double>& q, Put&& put) const {
+    number_columns();
     for (Eigen::Index i = 0; i < rows(); ++i) {
-      gradient<double>(system_, equations_[static_cast<std::size_t>(i)], q, [&](Index c, double value) {
-        const Index j = column_[static_cast<std::size_t>(c)];
+      gradient<double>(system_, equation(i), q, [&](Index c, double value) {
+        const Index j = column_of(c);
         if (j >= 0) put(i, j, value);
       });
     }
-    for (const Index u : unknowns_) column_[static_cast<std::size_t>(u)] = -1;
+    forget_columns();
   }
 
   const System& system_;

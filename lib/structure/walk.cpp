@@ -39,13 +39,16 @@ constexpr double kSureOfBranch = 1e-3;  // largest correction behind a change po
 constexpr double kInBall = 0.05;        // the same, times the curvature
 constexpr std::size_t kMostKept = 512, kLeastKept = 8, kKeptNumbers = 1 << 22;  // postures behind the current one
 
-// An inverse of the Jacobian of one part at one posture: of the normal equations if there are more equations than
-// unknowns.
+// An inverse of the Jacobian of one part at one posture. If there are more equations than unknowns: of the normal
+// equations, or, with residuals, of the second derivatives of half their sum of squares. (Where equations contradict
+// each other, Newton's method without the curvature of the residuals hardly converges.)
 class Inverse {
  public:
-  Inverse(const DenseBlock& block, const std::vector<double>& q) {
+  Inverse(const DenseBlock& block, const std::vector<double>& q, const VectorXd* residuals = nullptr) {
     const bool is_square = block.rows() == block.columns();
     if (block.rows() < block.columns()) return;
+    Eigen::SparseMatrix<double> curvature;
+    if (!is_square && residuals != nullptr) curvature = block.weighted_curvature(*residuals);
     if (block.columns() <= kDenseInverse) {
       const MatrixXd j = block.jacobian(q);
       if (!j.allFinite()) return;
@@ -55,6 +58,10 @@ class Inverse {
         const Eigen::ColPivHouseholderQR<MatrixXd> qr(j);
         if (qr.rank() < j.cols()) return;
         dense_ = qr.solve(MatrixXd::Identity(j.rows(), j.rows()));
+        if (curvature.nonZeros() > 0) {
+          const MatrixXd bent = MatrixXd::Identity(j.cols(), j.cols()) + dense_ * (dense_.transpose() * curvature);
+          dense_ = bent.partialPivLu().solve(dense_);
+        }
       }
       ok_ = dense_.allFinite();
       return;
@@ -70,7 +77,9 @@ class Inverse {
       s.lu_transposed.compute(transposed);
       ok_ = s.lu.info() == Eigen::Success && s.lu_transposed.info() == Eigen::Success;
     } else {
-      s.normal.compute(s.jacobian.transpose() * s.jacobian);
+      Eigen::SparseMatrix<double> normal = s.jacobian.transpose() * s.jacobian;
+      if (curvature.nonZeros() > 0) normal += curvature;
+      s.normal.compute(normal);
       ok_ = s.normal.info() == Eigen::Success;
     }
   }
@@ -338,9 +347,10 @@ class Walk {
   bool correct(const WalkedPart& p, double s, Posture& at) {
     double last = kInfinity;
     for (int k = 0; k < kMostCorrections; ++k) {
-      const Inverse inverse(block(p), at.q);
+      const VectorXd left = residuals(p, s, at.q);
+      const Inverse inverse(block(p), at.q, &left);
       if (!inverse.ok()) return false;
-      const VectorXd by = inverse.solve(residuals(p, s, at.q));
+      const VectorXd by = inverse.solve(left);
       const double size = by.size() == 0 ? 0 : by.lpNorm<Eigen::Infinity>();
       if (!(size < last / 2) && !(size <= kRoundingOnly)) return false;
       for (Eigen::Index i = 0; i < by.size(); ++i) at.q[idx(p.unknowns[static_cast<std::size_t>(i)])] -= by[i];

@@ -6,7 +6,11 @@
 #include <numbers>
 #include <string>
 
+#include "index.hpp"
 #include "look.hpp"
+#include "scene/lowering.hpp"
+#include "scene/system.hpp"
+#include "structure/way.hpp"
 
 namespace assur {
 namespace {
@@ -145,6 +149,42 @@ TEST(StartWay, RedundantLoopsFollowAsInThePlane) {
   // The same as half a turn and 0.3 rad: a crank that turns fully counts its turns without an effect.
   EXPECT_NEAR(std::hypot(look::start(flat, "B.x"), look::start(flat, "B.y")), 0.5, 1e-14);
   EXPECT_NEAR(look::start(flat, "B.x"), 0.5 * std::cos(std::atan2(0.4, 0.3) + kPi + 0.3), 1e-13);
+}
+
+// Bennett's linkage, drawn far off: on the way its redundant equations contradict each other, and hold as well as they
+// can. Newton's method needs the curvature of what they leave, else it takes steps of 1e-6 of the way.
+TEST(StartWay, RedundantEquationsThatContradictEachOtherCloseInFewSteps) {
+  const System s = lower(std::make_shared<const Scene>(parse_scene(R"({"assur": 1, "dimension": 3,
+    "points": {"A": {"at": [0, 0, 0], "fixed": true}, "B": {"at": [1, 0, 0], "fixed": true},
+               "C": {"at": [0.502, -0.179, -0.425]}, "D": {"at": [0.164, 0.718, -0.005]}},
+    "vectors": {"z0": {"at": [0, 0, 1], "fixed": true}, "x0": {"at": [1, 0, 0], "fixed": true},
+                "z1": {"at": [0, -0.91834320782906991, 0.39578498283059427], "fixed": true},
+                "z2": {"at": [0.447, -0.558, 0.7]}, "z3": {"at": [0.175, -0.499, 0.849]}},
+    "constraints": {
+      "BC": {"distance": ["B", "C"], "value": 0.6750439579678705}, "BC1": {"dot": [["B", "C"], "z1"], "value": 0},
+      "BC2": {"dot": [["B", "C"], "z2"], "value": 0}, "z12": {"dot": ["z1", "z2"], "value": 0.7846634132077399},
+      "CD": {"distance": ["C", "D"], "value": 1}, "CD2": {"dot": [["C", "D"], "z2"], "value": 0},
+      "CD3": {"dot": [["C", "D"], "z3"], "value": 0}, "z23": {"dot": ["z2", "z3"], "value": 0.3957849828305943},
+      "AD": {"distance": ["A", "D"], "value": 0.6750439579678703}, "AD0": {"dot": [["A", "D"], "z0"], "value": 0},
+      "AD3": {"dot": [["A", "D"], "z3"], "value": 0}, "z03": {"dot": ["z0", "z3"], "value": 0.7846634132077398}},
+    "drivers": {"m": {"angle": ["x0", ["A", "D"]], "axis": "z0", "law": {"constant": 1.339}}},
+    "time": {"start": 0, "end": 1, "step": 0.1}})")));
+  std::vector<double> q = s.guess;
+  WalkedPart all;
+  Way way;  // the driver is held at its law
+  way.from = {{1.339}};
+  way.change = {{0}};
+  for (std::size_t e = 0; e < s.equations.size(); ++e) {
+    all.equations.push_back(static_cast<Index>(e));
+    way.open.push_back(residual<double>(s, static_cast<Index>(e), q));
+  }
+  for (std::size_t c = 0; c < s.coordinates.size(); ++c) {
+    if (s.coordinates[c].role == Role::unknown) all.unknowns.push_back(static_cast<Index>(c));
+  }
+  const Walked closed = walk(s, {all}, way, q);
+  EXPECT_EQ(closed.end, Walked::End::arrived) << closed.share;
+  EXPECT_LE(closed.steps, 200);
+  for (const Index e : all.equations) EXPECT_NEAR(residual<double>(s, e, q), 0, 1e-12);
 }
 
 // Parts that no output needs do not hold the others back.
