@@ -15,6 +15,10 @@ function(assur_target target)
       target_compile_options(${target} PRIVATE -Wno-array-bounds -Wno-stringop-overflow)
     endif()
   endif()
+  if(CMAKE_CXX_COMPILER_ID STREQUAL Clang)
+    # With these, Clang means more by -Wconversion and -Wshadow than GCC does.
+    target_compile_options(${target} PRIVATE -Wno-sign-conversion -Wno-shadow)
+  endif()
   if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND CMAKE_SYSTEM_PROCESSOR MATCHES "^arm")
     target_compile_options(${target} PRIVATE -Wno-psabi)  # notes of calls that differ from those of GCC 6
   endif()

@@ -143,8 +143,8 @@ Status CusolverSolver<T>::factorize(std::span<const double> values) {
   }
   std::fill(code_.begin(), code_.end(), Code::singular);  // if the device fails below, there are no factors
   for (DenseIndex lane = 0; lane < lanes_; ++lane) {
-    largest_[static_cast<std::size_t>(lane)] =
-        spread(values.data() + lane, lanes_, place_, host_.matrices.data() + lane * step());
+    const double* const first = values.empty() ? nullptr : values.data() + lane;
+    largest_[static_cast<std::size_t>(lane)] = spread(first, lanes_, place_, host_.matrices.data() + lane * step());
   }
   set_mark(0);
   queue_->upload(device_.matrices.data(), host_.matrices.data(), lanes_ * step());

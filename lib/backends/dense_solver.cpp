@@ -147,7 +147,8 @@ template <class T>
 Status DenseSolver<T>::factorize(std::span<const double> values) {
   check_size("values", values.size(), place_.size() * static_cast<std::size_t>(lanes_));
   for (int lane = 0; lane < lanes_; ++lane) {
-    code_[static_cast<std::size_t>(lane)] = factorize_lane(values.data() + lane, lane);
+    // Without entries there is no first one of a lane.
+    code_[static_cast<std::size_t>(lane)] = factorize_lane(values.empty() ? nullptr : values.data() + lane, lane);
   }
   return worst(code_);
 }

@@ -190,7 +190,7 @@ std::int32_t assur_simulator_jacobian(assur_simulator* simulator, double* values
     const std::size_t drivers = jacobian.drivers.size();
     if (!jacobian.values.empty()) (void)checked(values, "values");
     c::check_stride("row_stride", row_stride, jacobian.outputs.size(), drivers);
-    for (std::size_t r = 0; r < jacobian.outputs.size(); ++r) {
+    for (std::size_t r = 0; r < jacobian.outputs.size() && drivers > 0; ++r) {
       std::copy_n(jacobian.values.data() + r * drivers, drivers, values + r * row_stride);
     }
     if (smallest != nullptr) *smallest = jacobian.smallest_singular_value;

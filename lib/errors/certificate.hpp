@@ -3,13 +3,13 @@
 // precision with error bounds, residuals in quadruple precision.
 #pragma once
 
-#include <boost/multiprecision/cpp_bin_float.hpp>
 #include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "assur/simulator.hpp"
+#include "errors/quad.hpp"
 #include "group/ball.hpp"
 #include "group/newton_kantorovich.hpp"
 #include "scene/system.hpp"
@@ -32,8 +32,6 @@ class Certifier {
   [[nodiscard]] const System& system() const { return system_; }
 
  private:
-  using Quad = boost::multiprecision::cpp_bin_float_quad;
-
   void find_blocks(const Structure& structure);
   void drive(double t);
   void take_unknowns(std::span<const double> posture);

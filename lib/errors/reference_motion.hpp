@@ -4,19 +4,17 @@
 #pragma once
 
 #include <array>
-#include <boost/multiprecision/cpp_bin_float.hpp>
 #include <span>
 #include <vector>
 
 #include "assur/plan.hpp"
 #include "decompositions.hpp"
+#include "errors/quad.hpp"
 #include "scene/system.hpp"
 #include "structure/blocks.hpp"
 #include "structure/dense_block.hpp"
 
 namespace assur {
-
-using Quad = boost::multiprecision::cpp_bin_float_quad;
 
 // LU in double of a block's Jacobian: dense up to 96 unknowns, sparse beyond.
 class ReferenceLu {

@@ -225,7 +225,7 @@ void ErrorProbe::gather(const Pack& pack, Probes probes, std::size_t d, double* 
   std::fill(input_errors_.begin(), input_errors_.end(), 0.0);
   for (std::size_t k = 0; k < probes.size(); ++k) {
     work_.gather(pack, probes[k].errors[d], narrow_);
-    put(narrow_.data(), narrow_.size(), input_errors_.data() + k * lanes_);
+    if (!narrow_.empty()) put(narrow_.data(), narrow_.size(), input_errors_.data() + k * lanes_);
     if (unknowns != nullptr) put(probes[k].errors[d] + pack.unknowns, size_, unknowns + k * lanes_);
   }
 }

@@ -94,10 +94,33 @@ Index Forms::constant(const Number& value, int power, double size) {
   return internal_constant({scaled(value, power), 0, std::ldexp(size, shift(power))});
 }
 
-Index Forms::form(const Terms& terms) {
+Index Forms::form(Terms terms, double least) {
+  drop_rounding(terms, least);
   s_.terms.insert(s_.terms.end(), terms.begin(), terms.end());
   s_.form_start.push_back(static_cast<Index>(s_.terms.size()));
   return s_.forms() - 1;
+}
+
+// If all coefficients cancelled, the constant is rounding, too, if it is as small as that, or at most `least`.
+void Forms::drop_rounding(Terms& terms, double least) {
+  const auto constant = [&](const Term& t) { return s_.constants[idx(t.constant)]; };
+  const auto most = [&](const Term& t) {
+    return std::max(least, terms.size() > 1 ? kLocalRounding * sizes_[idx(t.constant)] : 0);
+  };
+  bool drops = least > 0;
+  for (const Term& t : terms) {
+    if (t.coordinate != kOne && constant(t) != 0) return;
+    drops = drops || (t.coordinate == kOne && constant(t) != 0 && std::abs(constant(t)) <= most(t));
+  }
+  if (!drops) return;
+  // The same for a tape, so that members in which it counts are prepared alone.
+  for (const Term& t : terms) {
+    if (t.coordinate != kOne && Number(constant(t)) != 0) return;
+  }
+  for (Term& t : terms) {
+    if (t.coordinate != kOne || !(abs(Number(constant(t))) <= most(t))) continue;
+    t.constant = internal_constant({0, 0, sizes_[idx(t.constant)]});
+  }
 }
 
 // The product of a literal and a value is the constant of the value, or a new constant.
@@ -138,7 +161,7 @@ void Forms::append(Terms& terms, Index f, Index factor) {
 Index Forms::combination(std::initializer_list<std::pair<Index, Index>> parts) {
   Terms terms;
   for (const auto& [f, factor] : parts) append(terms, f, factor);
-  return form(terms);
+  return form(std::move(terms));
 }
 
 // ---- items and coordinates
@@ -271,23 +294,12 @@ void Forms::equation(Index source, const std::vector<Product>& products, const T
   e.products_begin = static_cast<Index>(s_.products.size());
   s_.products.insert(s_.products.end(), products.begin(), products.end());
   e.products_end = static_cast<Index>(s_.products.size());
-  e.linear = linear.empty() ? -1 : form(products.empty() ? without_rounding(linear) : linear);
+  // The constant of a linear equation may also be a contradiction, but as a relative residual any rounding would look
+  // like one.
+  e.linear = linear.empty() ? -1 : form(linear, products.empty() ? kConsistent : 0);
   e.source = source;
   e.row = row_++;
   s_.equations.push_back(e);
-}
-
-// If all coefficients of a linear equation cancelled, its constant is rounding, too, or a contradiction. As a relative
-// residual, rounding would be as large as any contradiction.
-Terms Forms::without_rounding(Terms linear) {
-  const auto value = [&](const Term& t) { return Number(s_.constants[idx(t.constant)]); };
-  for (const Term& t : linear) {
-    if (t.coordinate != kOne && value(t) != 0) return linear;
-  }
-  for (Term& t : linear) {
-    if (t.coordinate == kOne && abs(value(t)) <= kConsistent) t.constant = internal_constant({0, 0, 0});
-  }
-  return linear;
 }
 
 void Forms::callback_row(Index source, Index callback, Index row) {

@@ -43,7 +43,7 @@ class Forms {
   Index constant(const Number& value, int power = 0) { return constant(value, power, std::abs(value.value())); }
   // size: magnitude of the numbers that the value is computed from; far smaller values may be their rounding.
   Index constant(const Number& value, int power, double size);
-  Index form(const Terms& terms);
+  Index form(Terms terms, double least = 0);
   Index constant_form(const Number& value, int power) { return form({{kOne, constant(value, power)}}); }
   Index combination(std::initializer_list<std::pair<Index, Index>> parts);  // (form, constant)
   Index difference(Index a, Index b) { return combination({{a, kPlus}, {b, kMinus}}); }
@@ -95,7 +95,7 @@ class Forms {
  private:
   [[nodiscard]] int shift(int power) const { return -s_.length_exponent * power; }  // power of two, to internal units
   [[nodiscard]] Number scaled(const Number& value, int power) const { return ldexp(value, shift(power)); }
-  Terms without_rounding(Terms linear);
+  void drop_rounding(Terms& terms, double least);
   struct Exact;  // a constant in double-double, with the size of its numbers
   [[nodiscard]] Exact exact(Index constant) const;
   Index internal_constant(const Exact& exact);

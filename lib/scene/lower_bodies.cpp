@@ -175,8 +175,10 @@ void BodyWriter::declare_in_space(const Body& b) {
   const auto declare = [&](const Member& m, int power) {
     const Number beta = is_line ? Number(0) : m.local[1] / shape.y;
     const Number alpha = (m.local[0] - beta * shape.x) / shape.length;
-    const double of_beta = is_line ? 0 : size_of_locals(m) / shape.y.value(),
-                 of_alpha = (size_of_locals(m) + of_beta * std::abs(shape.x.value())) / shape.length.value();
+    // The base is rounded, too: its height y by as much as its side.
+    const double of_base = std::abs(beta.value()) * std::hypot(shape.x.value(), shape.y.value()),
+                 of_beta = is_line ? 0 : (size_of_locals(m) + of_base) / shape.y.value(),
+                 of_alpha = (size_of_locals(m) + of_base + of_beta * std::abs(shape.x.value())) / shape.length.value();
     const Forms::Components d = forms_.direction(side), e = forms_.direction(other);
     Index f[3] = {-1, -1, -1};
     for (int k = 0; k < 3; ++k) {

@@ -2,13 +2,13 @@
 #pragma once
 
 #include <array>
-#include <boost/multiprecision/cpp_bin_float.hpp>
 
+#include "errors/quad.hpp"
 #include "scene/jet.hpp"
 
 namespace assur::references {
 
-using Quad = boost::multiprecision::cpp_bin_float_quad;
+using assur::Quad;
 using QuadJet = Jet<Quad>;  // value, rate, acceleration
 
 template <class T>

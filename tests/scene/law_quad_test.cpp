@@ -1,18 +1,16 @@
 // Laws and jets in quad precision, and their errors in double.
 #include <gtest/gtest.h>
 
-#include <boost/multiprecision/cpp_bin_float.hpp>
 #include <cmath>
 #include <random>
 #include <span>
 
+#include "errors/quad.hpp"
 #include "scene/law_evaluate.hpp"
 #include "scene/motions.hpp"
 
 namespace assur::test {
 namespace {
-
-using Quad = boost::multiprecision::cpp_bin_float_quad;
 
 Motion rounded(const Jet<Quad>& jet) {
   return {static_cast<double>(jet.value), static_cast<double>(jet.rate), static_cast<double>(jet.acceleration)};

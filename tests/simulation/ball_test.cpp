@@ -8,6 +8,7 @@
 #include <cmath>
 #include <vector>
 
+#include "errors/quad.hpp"
 #include "group/newton_kantorovich.hpp"
 #include "scene/law_evaluate.hpp"
 #include "simulation/random_mechanisms.hpp"
@@ -16,7 +17,6 @@ namespace assur {
 namespace {
 
 using Exact = boost::multiprecision::cpp_rational;
-using Quad = boost::multiprecision::cpp_bin_float_quad;
 using Long = boost::multiprecision::cpp_bin_float_100;
 using test::Draw;
 

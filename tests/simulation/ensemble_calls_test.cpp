@@ -267,7 +267,7 @@ TEST(Ensemble, AnObserverStopsMembersOfAnotherStructure) {
   // Stops the member alone in its structure, the two that share one, and the first.
   for (const auto& [most, rows] : std::vector<std::pair<std::int64_t, std::vector<std::size_t>>>{
            {350, {101, 101, 101, 47}}, {150, {101, 25, 25, 0}}, {50, {50, 0, 0, 0}}}) {
-    const EnsembleTrajectory all = e.run([&](std::int64_t done, std::int64_t) { return done < most; });
+    const EnsembleTrajectory all = e.run([most = most](std::int64_t done, std::int64_t) { return done < most; });
     for (std::size_t i = 0; i < 4; ++i) {
       EXPECT_EQ(all.rows(i), rows[i]) << most << " " << i;
       EXPECT_EQ(e.outcomes()[i].status.code, rows[i] == 101 ? Code::ok : Code::interrupted) << most << " " << i;

@@ -75,7 +75,7 @@ TEST(MotionRange, OfAValueOfAPoseEndsWhereItsRunEnds) {
   EXPECT_GT(range.high.reached, range.start);
   for (const auto& [end, sign] : {std::pair{range.low, -1.0}, {range.high, 1.0}}) {
     if (end.code == Code::ok) continue;
-    const Scene run = stewart.with_laws([&](const std::string& name, const Law& law) {
+    const Scene run = stewart.with_laws([&, sign = sign](const std::string& name, const Law& law) {
       const double value = law(stewart.time().start).value;
       return name == range.driver ? Law::polynomial({value, sign}) : Law::constant(value);
     });

@@ -9,7 +9,8 @@
 namespace assur::check {
 namespace {
 
-constexpr double kShortest = 0x1p-34;  // share of the way; if steps become shorter, the motion ends here
+constexpr double kShortest = 0x1p-34;   // share of the way; if steps become shorter, the motion ends here
+constexpr int kMostAttempts = 100'000;  // of one call; then the motion ends here, too
 constexpr double kVolume = 0.7;       // largest change of log(volume of the Jacobian) in a step, to miss no singularity
 constexpr double kCorrection = 0.05;  // largest first correction, relative to the step
 constexpr double kContraction = 0.1;
@@ -168,7 +169,7 @@ Real PlainMotion::advance(const Laws& laws) {
   derivatives(x, now, v, a);
   std::vector<Real> turned = turned_, next_turned;
   std::vector<bool> met = met_, next_met;
-  while (s < 1) {
+  for (int attempt = 0; s < 1; ++attempt) {
     bool last = false;
     double h = stride;
     if (s + h >= 1 - 1e-9) h = 1 - s, last = true;
@@ -206,9 +207,9 @@ Real PlainMotion::advance(const Laws& laws) {
       next_turned = turned, next_met = met;
       good = unwrap(next, next_turned, next_met) || h < kMeet;
     }
-    if (!good) {
+    if (!good || attempt == kMostAttempts) {
       stride = h / 2;
-      if (stride >= kShortest) continue;
+      if (stride >= kShortest && attempt < kMostAttempts) continue;
       stride_ = 0.01;
       return s;
     }

@@ -78,7 +78,9 @@ void Expansion::write() {
 }
 
 void Expansion::count_kept_sides() {
-  for (const auto& [s, base] : based_on_) {
+  for (const auto& based : based_on_) {
+    const int s = based.first;
+    const auto& base = based.second;  // no structured bindings: Clang before 16 cannot capture them
     const Solid& solid = solids_[idx(s)];
     if (solid.is_rigid() || solid.bodies.empty()) continue;
     // All are fixed, or another body keeps them: one whose members are among them, or of two with the same base the
