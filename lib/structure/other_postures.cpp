@@ -21,7 +21,8 @@ namespace assur {
 namespace {
 constexpr double kSolved = 1e-10;        // relative residual of equations that hold
 constexpr double kExact = 1e-12;         // rad or internal units: violation of an equation that holds
-constexpr double kRefused = 4e-12;       // the same, of a mechanism that is refused
+constexpr double kRefused = 4e-12;       // the same, of a mechanism that is refused, near the origin
+constexpr double kRounded = 4 * kEps;    // the same, relative to the coordinates, far from it
 constexpr double kSmall = 1e-5;          // the same: larger violations show that equations restrict the drivers
 constexpr double kRounding = 32 * kEps;  // relative residual of an equation that holds up to rounding
 constexpr double kAround = 0.05;         // rad or internal units: displacement of drivers
@@ -271,8 +272,11 @@ class Look {
     }
     // Errors of lengths cause small violations near the start posture; large violations mean that drivers are
     // restricted.
-    const bool is_error = internal(off.by) > kRefused && internal(off.by) <= kSmall;
-    const bool never_holds = internal(path.by) > kRefused && path.time <= time_ + s_.scene->time().step;
+    double farthest = 0;
+    for (const double at : start_) farthest = std::max(farthest, std::abs(at));
+    const double refused = std::max(kRefused, kRounded * farthest);
+    const bool is_error = internal(off.by) > refused && internal(off.by) <= kSmall;
+    const bool never_holds = internal(path.by) > refused && path.time <= time_ + s_.scene->time().step;
     if (is_error || never_holds) impossible_.insert(r.dropped);
   }
 
