@@ -113,7 +113,9 @@ class Look {
         out_(out),
         impossible_(impossible),
         freedoms_(system, part.inputs),
-        column_(system.coordinates.size(), -1) {}
+        column_(system.coordinates.size(), -1) {
+    for (const Index u : part.unknowns) refused_ = std::max(refused_, kRounded * std::abs(start[idx(u)]));
+  }
 
   // Degrees of freedom without the drivers, minus those of the drivers; at most 0 in a determined part.
   struct Mobility {
@@ -272,11 +274,8 @@ class Look {
     }
     // Errors of lengths cause small violations near the start posture; large violations mean that drivers are
     // restricted.
-    double farthest = 0;
-    for (const double at : start_) farthest = std::max(farthest, std::abs(at));
-    const double refused = std::max(kRefused, kRounded * farthest);
-    const bool is_error = internal(off.by) > refused && internal(off.by) <= kSmall;
-    const bool never_holds = internal(path.by) > refused && path.time <= time_ + s_.scene->time().step;
+    const bool is_error = internal(off.by) > refused_ && internal(off.by) <= kSmall;
+    const bool never_holds = internal(path.by) > refused_ && path.time <= time_ + s_.scene->time().step;
     if (is_error || never_holds) impossible_.insert(r.dropped);
   }
 
@@ -426,6 +425,7 @@ class Look {
   std::set<std::string>& impossible_;  // names of equations that prevent any motion
   Freedoms freedoms_;
   std::vector<Index> column_;  // scratch of DenseBlock
+  double refused_ = kRefused;
   std::map<std::size_t, Seen> path_, near_;
 };
 

@@ -226,14 +226,14 @@ void expect_freedoms(Mechanism m, bool count_redundant) {
 }
 
 TEST(JointMobility, OfSphericalLoopsOnAMovingBody) {
-  for (int seed = 0; seed < test::random_count(60); ++seed) {
+  for (int seed = 0; seed < test::random_count(240); ++seed) {
     SCOPED_TRACE(seed);
     expect_freedoms(with_loops(static_cast<unsigned>(seed), true), true);
   }
 }
 
 TEST(JointMobility, OfPlanarLoopsOnAMovingBody) {
-  for (int seed = 0; seed < test::random_count(60); ++seed) {
+  for (int seed = 0; seed < test::random_count(240); ++seed) {
     SCOPED_TRACE(seed);
     expect_freedoms(with_loops(static_cast<unsigned>(seed), false), true);
   }
@@ -243,7 +243,7 @@ TEST(JointMobility, OfPlanarLoopsOnAMovingBody) {
 TEST(JointMobility, OfAPlanarLoopAlongACoordinateAxis) { expect_freedoms(with_loops(744, false), true); }
 
 TEST(JointMobility, DoesNotDependOnTheOrderOfNames) {
-  for (int seed = 0; seed < test::random_count(200); ++seed) {
+  for (int seed = 0; seed < test::random_count(800); ++seed) {
     SCOPED_TRACE(seed);
     expect_freedoms(any(static_cast<unsigned>(seed)), false);
   }

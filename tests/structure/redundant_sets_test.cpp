@@ -304,8 +304,8 @@ TEST(RedundantSets, SmallErrorsCountInTheEstimates) {
     const Scene exact = sample(name);
     for (const double error : {3e-12, -1e-11}) {
       SCOPED_TRACE(error);
-      Simulator of_exact(prepare(with_error(exact, "C", {}))), simulator(prepare(with_error(
-          exact, "C", {error * along[0], error * along[1], error * along[2]})));
+      Simulator of_exact(prepare(with_error(exact, "C", {}))),
+          simulator(prepare(with_error(exact, "C", {error * along[0], error * along[1], error * along[2]})));
       const Trajectory right = of_exact.run(), motion = simulator.run();
       ASSERT_EQ(simulator.report().status.code, Code::ok);
       ASSERT_EQ(motion.columns(), right.columns());

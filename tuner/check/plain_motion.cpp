@@ -10,7 +10,7 @@ namespace assur::check {
 namespace {
 
 constexpr double kShortest = 0x1p-34;   // share of the way; if steps become shorter, the motion ends here
-constexpr int kMostAttempts = 100'000;  // of one call; then the motion ends here, too
+constexpr int kMostAttempts = 100'000;  // of one call; the motion ends at the next failure
 constexpr double kVolume = 0.7;       // largest change of log(volume of the Jacobian) in a step, to miss no singularity
 constexpr double kCorrection = 0.05;  // largest first correction, relative to the step
 constexpr double kContraction = 0.1;
@@ -207,7 +207,7 @@ Real PlainMotion::advance(const Laws& laws) {
       next_turned = turned, next_met = met;
       good = unwrap(next, next_turned, next_met) || h < kMeet;
     }
-    if (!good || attempt == kMostAttempts) {
+    if (!good) {
       stride = h / 2;
       if (stride >= kShortest && attempt < kMostAttempts) continue;
       stride_ = 0.01;
