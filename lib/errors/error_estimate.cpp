@@ -469,17 +469,25 @@ void ErrorEstimate::finish(const double* const (&state)[3], std::span<const doub
   confirm_growth(before);
 }
 
-// The residuals of the redundant equations that errors of the posture do not explain, by lanes. False: there are none.
-bool ErrorEstimate::find(Contradictions& contradictions) const {
+// Steps between measurements may leave the largest residual in any equation. A larger one than solved equations have is
+// the concern of the gain.
+Unseen ErrorEstimate::of_other_steps() const {
+  Unseen unseen;
+  unseen.fill(std::min(residual_, kSolvedToRounding));
+  return unseen;
+}
+
+// Adds the residuals of the redundant equations that errors of the posture do not explain. False: there are none.
+bool ErrorEstimate::find_contradictions(Unseen& unseen) const {
   bool found = false;
   for (std::size_t i = 0; i < used_; ++i) {
     const Mechanism& m = mechanisms_[i];
     if (!(m.redundant > m.now.position)) continue;
     found = true;
     if (mechanisms_.size() > 1) {
-      contradictions[i] = kGrownTwice * m.redundant;
+      unseen[i] += kGrownTwice * m.redundant;
     } else {
-      contradictions.fill(kGrownTwice * m.redundant);
+      for (double& lane : unseen) lane += kGrownTwice * m.redundant;
     }
   }
   return found;

@@ -71,7 +71,7 @@ class ErrorEstimate {
                              const Each& each, const Late& late) {
     begin(times, state);
     std::atomic<bool> ends = false;
-    Contradictions contradictions{};
+    Unseen unseen = of_other_steps();
     bool again = false;
     do {
       each([&](std::size_t p, GroupSolver& solver) {
@@ -82,7 +82,7 @@ class ErrorEstimate {
         const PackLimit& limit = layout_.limits[p];
         if (limit.exists()) solver.perturb(layout_.packs[p], limit, state, probes(), seed_);
         regular_[p] =
-            limit.exists() || solver.perturb(layout_.packs[p], state, probes(), contradictions, seed_) ? 1 : 0;
+            limit.exists() || solver.perturb(layout_.packs[p], state, probes(), unseen, seed_) ? 1 : 0;
       });
       if (ends) {
         steps_ = interval_;
@@ -90,7 +90,7 @@ class ErrorEstimate {
         return false;
       }
       finish(state, rows);
-      again = !again && find(contradictions);
+      again = !again && find_contradictions(unseen);
     } while (again);
     for (std::size_t i = 0; i < used_; ++i) watch_divisors(mechanisms_[i], divisors[i]);
     return true;
@@ -173,7 +173,8 @@ class ErrorEstimate {
   [[nodiscard]] bool has_grown(const Mechanism& m) const;
   void perturb_known(const double* const (&state)[3], const Probe& probe);
   void find_worst();
-  [[nodiscard]] bool find(Contradictions& contradictions) const;
+  [[nodiscard]] Unseen of_other_steps() const;
+  [[nodiscard]] bool find_contradictions(Unseen& unseen) const;
   void finish(const double* const (&state)[3], std::span<const double* const> rows);
   void carry(const Probe& probe, const double* const (&state)[3]);
   [[nodiscard]] bool conditions_have_grown(std::int64_t branch_checks, double error);

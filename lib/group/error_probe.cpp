@@ -65,8 +65,8 @@ ErrorProbe::ErrorProbe(const System& system, Workspace& work, JacobianSolver& so
 }
 
 bool ErrorProbe::perturb(Pack& pack, const double* const (&state)[3], Probes probes,
-                         const Contradictions& contradictions, std::uint64_t seed) {
-  contradictions_ = contradictions;
+                         const Unseen& unseen, std::uint64_t seed) {
+  unseen_ = unseen;
   solver_.choose(pack);
   work_.set_inputs(pack, state[0]);
   const double* const x = state[0] + pack.unknowns;
@@ -248,7 +248,7 @@ bool ErrorProbe::error_of(Pack& pack, const LaneArray& left, Probes probes, int 
       const double* from = error_.data() + k * lanes_;
       for (std::size_t i = 0; i < size_; from += side_by_side_ * lanes_) {
         for (std::size_t l = 0; l < lanes_; ++l, ++i) {
-          const double of_tolerance = rounds ? contradictions_[l] : kSumRounding;
+          const double of_tolerance = rounds ? unseen_[l] : kSumRounding;
           *e++ = from[l] + (is_left ? left[i] : sign() * (of_noise * noise_[i] + of_tolerance * tolerance_[i]));
         }
       }

@@ -28,7 +28,8 @@ struct Probe {
   std::array<double*, 3> errors{};
 };
 using Probes = std::span<const Probe>;
-using Contradictions = std::array<double, kMostLanes>;  // lanes: a relative residual in every equation
+// Lanes: a relative residual that any equation may have, although the residuals at this posture do not show it.
+using Unseen = std::array<double, kMostLanes>;
 
 // Relative residuals and conditions (GroupFigures) of the lanes of a pack.
 struct GroupHealth {
@@ -41,10 +42,10 @@ class ErrorProbe {
   ErrorProbe(const System& system, Workspace& work, JacobianSolver& solver, BlockConditions& blocks);
 
   // For each probe, computes the errors of the unknowns, to first order, from the errors of the inputs and from the
-  // cause of the probe; `seed` draws the random signs. Contradictions count as rounding. False if the Jacobian is
+  // cause of the probe; `seed` draws the random signs. Unseen residuals count as rounding. False if the Jacobian is
   // singular.
   [[nodiscard]] bool perturb(Pack& pack, const double* const (&state)[3], Probes probes,
-                             const Contradictions& contradictions, std::uint64_t seed);
+                             const Unseen& unseen, std::uint64_t seed);
 
   // The same at a limit.
   void perturb(const Pack& pack, const PackLimit& limit, const double* const (&state)[3], Probes probes,
@@ -85,7 +86,7 @@ class ErrorProbe {
   const std::size_t side_by_side_;
   const std::size_t lanes_, size_;                  // W, n x W
   const std::unique_ptr<Evaluator> evaluator_;      // null: the workspace's evaluator, for one probe at a time
-  Contradictions contradictions_{};
+  Unseen unseen_{};
   LaneArray residual_, noise_, tolerance_, whole_;  // n x W
   LaneArray narrow_;                                // inputs x W
   LaneArray rhs_;                                   // probes x n x W

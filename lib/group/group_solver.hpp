@@ -66,8 +66,8 @@ class GroupSolver {
 
   // ErrorProbe at a solved posture.
   [[nodiscard]] bool perturb(Pack& pack, const double* const (&state)[3], Probes probes,
-                             const Contradictions& contradictions, std::uint64_t seed) {
-    return probe_.perturb(pack, state, probes, contradictions, seed);
+                             const Unseen& unseen, std::uint64_t seed) {
+    return probe_.perturb(pack, state, probes, unseen, seed);
   }
   void perturb(const Pack& pack, const PackLimit& limit, const double* const (&state)[3], Probes probes,
                std::uint64_t seed) {
