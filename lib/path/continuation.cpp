@@ -266,7 +266,6 @@ Status Continuation::solve_at(double t, Attempt::Branch branch, StepErrors& erro
 Status Continuation::solve_all(double t, Attempt::Branch branch, StepErrors& errors) {
   double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
   failed_pack_ = packs_.size();
-  vanished_ = false;
   turned_ = 0;
   if (const Status s = inputs_.drive(t, q); !s.ok()) return s;
   if (!any_turn_) turned_ = bent(t);
@@ -426,7 +425,6 @@ Status Continuation::check_levers(std::size_t begin, std::size_t end, double sec
   if (!any_turn_ && seconds != 0 && may_vanish(levers, from[0], to[0], bows_.times()) != nullptr) return hidden();
   const Lever* const l = vanished(levers, from, to, seconds);
   if (l == nullptr) return {};
-  vanished_ = true;
   return {Code::actuator_zero, Place::driver(l->driver), std::min(to[0][l->address], 0.0)};
 }
 
@@ -542,8 +540,9 @@ Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
       wants_reselection_ = true;
       return s;
     }
+    const bool vanished = s.code == Code::actuator_zero;
     const bool halves =
-        vanished_ || s.code == Code::inconsistent || (worth_halving(s.code) && failed_pack_ != packs_.size());
+        vanished || s.code == Code::inconsistent || (worth_halving(s.code) && failed_pack_ != packs_.size());
     if (!halves) {
       tell(s, target);
       return s;
@@ -552,11 +551,11 @@ Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
       stride.set(std::abs(target - now_) / 2);
       continue;
     }
-    if (!vanished_ && may_choose_anew(may_reselect, first) && another_set_may_help()) {
+    if (!vanished && may_choose_anew(may_reselect, first) && another_set_may_help()) {
       wants_reselection_ = true;
       return s;
     }
-    if (vanished_ || failed_pack_ == packs_.size()) {
+    if (vanished || failed_pack_ == packs_.size()) {
       tell(s, target);
       return s;
     }

@@ -286,7 +286,6 @@ class Continuation {
   std::size_t failed_pack_ = 0;  // of the last attempt; the number of packs: none
   std::vector<Lever> levers_;    // known ones first, then those that are unknowns
   std::size_t known_levers_ = 0;
-  bool vanished_ = false;  // a lever vanished in the last attempt
   Clock clock_ = &std::chrono::steady_clock::now;
   std::chrono::steady_clock::time_point deadline_ = std::chrono::steady_clock::time_point::max();
   std::int64_t joined_from_ = 0;

@@ -178,16 +178,36 @@ TEST(BetweenRows, TurnsOfABodyThatItsPoseMoves) {
   }
 }
 
-// A cylinder whose length falls through zero and returns.
+// A cylinder whose length falls through zero, with and without returning before the next row.
 TEST(BetweenRows, ADriverThatVanishes) {
   SceneBuilder b("cylinder", 2);
   b.fixed_point("A", {0, 0, 0}).fixed_vector("x", {1, 0, 0}).point("P", {1, 0, 0});
-  b.constrain("rail", OnLine{"P", "A", "x"}).drive("m", DrivenDistance{"A", "P", cosine(0.6, 0.4)});
+  b.constrain("rail", OnLine{"P", "A", "x"});
+  for (const auto& [law, zero] : {std::pair(cosine(0.6, 0.4), std::acos(-0.4 / 0.6) / (2 * pi)),
+                                  std::pair(Law::polynomial({1, -1.3}), 1 / 1.3)}) {
+    const SceneBuilder driven = SceneBuilder(b).drive("m", DrivenDistance{"A", "P", law});
+    for (const std::string& way : kWays) {
+      for (const double step : {2.0, 1.0, 0.01}) {
+        const End end = run(SceneBuilder(driven).output("P.position").time(0, 2, step).build(), way);
+        EXPECT_EQ(end.status.code, Code::actuator_zero) << way << ", step " << step;
+        EXPECT_NEAR(end.reached, zero, 1e-3) << way << ", step " << step;
+      }
+    }
+  }
+}
+
+// Where a row asks for no length at all, what happens before it counts.
+TEST(BetweenRows, AFoldBeforeADriverVanishes) {
+  SceneBuilder b("fold", 2);
+  b.fixed_point("A", {0, 0, 0}).fixed_point("D", {0.618, 0, 0}).point("C", {1.449, 0.917, 0});
+  b.constrain("rod", Distance{"A", "C", std::nullopt});
+  b.drive("m", DrivenDistance{"D", "C", Law::polynomial({std::hypot(0.831, 0.917), -1.276})});
+  const double fold = (std::hypot(0.831, 0.917) - (std::hypot(1.449, 0.917) - 0.618)) / 1.276;
   for (const std::string& way : kWays) {
-    for (const double step : {2.0, 1.0, 0.01}) {
-      const End end = run(SceneBuilder(b).output("P.position").time(0, 2, step).build(), way);
-      EXPECT_EQ(end.status.code, Code::actuator_zero) << way << ", step " << step;
-      EXPECT_NEAR(end.reached, std::acos(-0.4 / 0.6) / (2 * pi), 1e-3) << way << ", step " << step;
+    for (const double step : {1.0, 0.5, 0.01}) {
+      const End end = run(SceneBuilder(b).output("C").time(0, 1, step).build(), way);
+      EXPECT_EQ(end.status.code, Code::limit_reached) << way << ", step " << step;
+      EXPECT_NEAR(end.reached, fold, 0.01) << way << ", step " << step;
     }
   }
 }
