@@ -13,6 +13,8 @@ namespace assur {
 
 // Least scale of an equation, internal units. Without it, C.y = 0 would have a relative residual of 1 at C.y = 1e-30.
 inline constexpr double kLeastScale = 0x1p-10;
+// The same for residuals: the coefficients of an equation with small terms are often differences of larger numbers.
+inline constexpr double kLeastTerms = 0.25;
 
 // A set of equations and unknowns.
 class DenseBlock {
@@ -33,13 +35,13 @@ class DenseBlock {
     return phi;
   }
 
-  // max |Phi_i| / residual_scale(), the denominator at least kLeastScale
+  // max |Phi_i| / residual_scale(), the denominator at least kLeastTerms
   [[nodiscard]] double relative_residual(const std::vector<double>& q) const {
     double worst = 0;
     for (const Index e : equations_) {
       const double scale = residual_scale(system_, e, q);
       const double phi = std::abs(residual<double>(system_, e, q));
-      worst = std::max(worst, !(phi <= 1e300) ? HUGE_VAL : phi / std::max(scale, kLeastScale));
+      worst = std::max(worst, !(phi <= 1e300) ? HUGE_VAL : phi / std::max(scale, kLeastTerms));
     }
     return worst;
   }
