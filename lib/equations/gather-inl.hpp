@@ -34,22 +34,25 @@ HWY_INLINE Lanes<W> load_every_third(const double* from) {
   return out;
 }
 
-// One input that is not scattered.
+// One input; addresses: W.
+template <int W>
+HWY_INLINE Lanes<W> gather_input(const InputRow& row, const std::int32_t* addresses, const double* state) {
+  if (W == 1 || row.kind == InputRow::Kind::same) return Lanes<W>::set(state[row.address]);
+  if (row.kind == InputRow::Kind::consecutive) return Lanes<W>::load(state + row.address);
+  if (row.kind == InputRow::Kind::every_second) return load_every_second<W>(state + row.address);
+  if (row.kind == InputRow::Kind::every_third) return load_every_third<W>(state + row.address);
+  double lanes[W];
+  for (int w = 0; w < W; ++w) lanes[w] = state[addresses[w]];
+  return Lanes<W>::load(lanes);
+}
+
+// The same for a row that is not scattered.
 template <int W>
 HWY_INLINE Lanes<W> load_input(const InputRow& row, const double* state) {
   if (W == 1 || row.kind == InputRow::Kind::same) return Lanes<W>::set(state[row.address]);
   if (row.kind == InputRow::Kind::consecutive) return Lanes<W>::load(state + row.address);
   if (row.kind == InputRow::Kind::every_second) return load_every_second<W>(state + row.address);
   return load_every_third<W>(state + row.address);
-}
-
-// One input; addresses: W.
-template <int W>
-HWY_INLINE Lanes<W> gather_input(const InputRow& row, const std::int32_t* addresses, const double* state) {
-  if (W == 1 || row.kind != InputRow::Kind::scattered) return load_input<W>(row, state);
-  double lanes[W];
-  for (int w = 0; w < W; ++w) lanes[w] = state[addresses[w]];
-  return Lanes<W>::load(lanes);
 }
 
 // NOLINTNEXTLINE(google-readability-namespace-comments)
