@@ -46,7 +46,7 @@ HWY_INLINE Lanes<W> gather_input(const InputRow& row, const std::int32_t* addres
   return Lanes<W>::load(lanes);
 }
 
-// The same for a row that is not scattered.
+// The same for a row that is not scattered. One body for both costs a step of small groups 2 % of its instructions.
 template <int W>
 HWY_INLINE Lanes<W> load_input(const InputRow& row, const double* state) {
   if (W == 1 || row.kind == InputRow::Kind::same) return Lanes<W>::set(state[row.address]);
