@@ -108,16 +108,18 @@ TEST(C, StatusesNameTheirDriver) {
 TEST(C, RandomCommandsLeaveTheBitsOfATwin) {
   Robot r(true);
   assur::test::Draw draw(51);
-  double at[3] = {1.5620499351813309, 1, 1.1};
+  const double home[3] = {1.5620499351813309, 1, 1.1};
+  double at[3] = {home[0], home[1], home[2]};
   const int cycles = assur::test::random_count(2000);
   int failed = 0, arrived = 0;
   for (int k = 0; k < cycles; ++k) {
     const double jump = draw.below(4) == 0 ? 3 : 0.03;
+    const bool returns = draw.below(10) == 0;  // far from home the commands would be like each other
     double target[3];
     bool set[3];
     for (std::size_t i = 0; i < 3; ++i) {
-      set[i] = draw.below(3) != 0;
-      target[i] = draw.below(30) == 0 ? std::nan("") : at[i] + draw.real(-jump, jump);
+      set[i] = returns || draw.below(3) != 0;
+      target[i] = draw.below(30) == 0 ? std::nan("") : (returns ? home[i] : at[i]) + draw.real(-jump, jump);
     }
     const double rate = draw.below(3) == 0 ? draw.real(-3, 3) : 0;
     const bool to_time = draw.below(5) == 0;
