@@ -632,12 +632,10 @@ bool Continuation::another_set_may_help() {
   return !independence_ || !(independence_->largest_coefficient(state_.accepted(0)) <= poor_);
 }
 
-// Within the ball of an anchor the inverse of the Jacobian, and with it the coefficients, grow at most by the factor
-// 1 / (1 - kBall). So each anchor is checked, or every second one as long as the set stays good until then.
+// Within the ball of an anchor the inverse of the Jacobian grows at most by the factor 1 / (1 - kBall), and with it the
+// coefficients, unless a row vanishes. So each anchor is checked.
 bool Continuation::set_is_poor() {
-  const std::int64_t anchors = report_.counters.branch_checks - measured_at_;
-  const bool stays_good = std::max(largest_coefficient_, 1.0) <= (1 - kBall) * poor_;
-  if (independence_ && (measured_at_ < 0 || anchors < 0 || anchors > (stays_good ? 1 : 0))) {
+  if (independence_ && measured_at_ != report_.counters.branch_checks) {
     measured_at_ = report_.counters.branch_checks;
     largest_coefficient_ = independence_->largest_coefficient(state_.at(0));
   }

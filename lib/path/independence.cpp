@@ -9,6 +9,7 @@
 #include "decompositions.hpp"
 #include "index.hpp"
 #include "numbers.hpp"
+#include "structure/dense_block.hpp"
 
 namespace assur {
 namespace {
@@ -168,7 +169,7 @@ void Independence::differentiate(Row& row) {
     seen_[idx(entry.coordinate)] = 0;
     if (unit_of_[idx(entry.coordinate)] >= 0) squares += entry.value * entry.value;
   }
-  row.length = std::sqrt(squares);
+  row.length = std::max(std::sqrt(squares), kLeastScale);  // a row that vanishes determines nothing
 }
 
 bool Independence::factorize(Unit& unit) {
@@ -192,7 +193,6 @@ bool Independence::factorize(Unit& unit) {
 // Solves sum c_i grad Phi_i = grad of the row, from the last unit to the first.
 double Independence::largest_of(Row& row) {
   differentiate(row);
-  if (!(row.length > 0)) return 0;
   for (const Entry& e : row.entries) gradient_[idx(e.coordinate)] = e.value;
   double largest = 0;
   for (auto unit = units_.rbegin(); unit != units_.rend(); ++unit) {
