@@ -9,6 +9,12 @@
 #include "path/continuation.hpp"
 
 namespace assur {
+namespace {
+
+// Not in a function: its first call, in a step, would take memory.
+const std::string kNone;
+
+}  // namespace
 
 void EventLog::clear() {
   kept_.clear();
@@ -62,7 +68,6 @@ Noticed Continuation::about_limit(const LimitWatch::Change& change) const {
 
 // Names of drivers and limits belong to the scene, those of groups to the structure at that time.
 const std::string& Continuation::name_of(const Noticed& event) const {
-  static const std::string kNone;
   if (event.told) return event.told->group;
   if (event.bound >= 0) return system_.measures[idx(system_.bounds[idx(event.bound)].measure)].name;
   if (event.watched >= 0) return event.structure->watched[idx(event.watched)].name;

@@ -15,6 +15,8 @@ namespace {
 
 constexpr double kStepWithoutGrid = 1;  // s, length of step() if the scene has no time grid
 
+const std::string kNone;  // not in a function, whose first call would take memory
+
 // A quantity has left or entered its limit: undone with the step.
 bool is_passage(const Noticed& e) { return e.kind == Code::limit_exceeded || e.kind == Code::within_limits; }
 
@@ -199,7 +201,6 @@ std::vector<std::string> Simulator::limits() const {
 }
 
 const std::string& Simulator::name_of(Place place) const {
-  static const std::string kNone;
   const System& system = impl_->system;
   switch (place.kind) {
     case Place::Kind::driver:

@@ -43,13 +43,16 @@ TEST(Operations, EndsWithAnErrorWithoutMemory) {
   const std::vector<std::vector<std::string>> calls = {{"run", "stewart", "--quiet"},
                                                        {"run", "stewart", "--strategy", "groups/lapack", "--quiet"},
                                                        {"plan", "stewart", "--json"}};
+  int begun = 0;
   for (const std::size_t megabytes : {100, 200, 300, 400, 450, 500, 600}) {
     for (const auto& words : calls) {
       SCOPED_TRACE(words[0] + " " + words.back() + " in " + std::to_string(megabytes) + " MB");
       Setting setting;
       setting.before = limited_to(RLIMIT_AS, megabytes * 1'000'000);
       const Outcome outcome = run_command(words, setting);
+      if (outcome.err.find("error while loading shared libraries") != std::string::npos) continue;  // it did not begin
       ASSERT_TRUE(outcome.status == 0 || outcome.status == 3) << outcome.status << outcome.err;
+      ++begun;
       if (outcome.status == 0) continue;
       if (words.back() == "--json") {
         EXPECT_EQ(outcome.json()["error"]["kind"], "environment");
@@ -58,6 +61,7 @@ TEST(Operations, EndsWithAnErrorWithoutMemory) {
       }
     }
   }
+  EXPECT_GE(begun, 12);
 }
 
 // OpenBLAS for OpenMP ignores these settings and takes all its memory. The check of the command must know this.
