@@ -81,8 +81,7 @@ class ErrorEstimate {
         }
         const PackLimit& limit = layout_.limits[p];
         if (limit.exists()) solver.perturb(layout_.packs[p], limit, state, probes(), seed_);
-        regular_[p] =
-            limit.exists() || solver.perturb(layout_.packs[p], state, probes(), unseen, seed_) ? 1 : 0;
+        regular_[p] = limit.exists() || solver.perturb(layout_.packs[p], state, probes(), unseen, seed_) ? 1 : 0;
       });
       if (ends) {
         steps_ = interval_;

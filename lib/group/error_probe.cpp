@@ -64,8 +64,8 @@ ErrorProbe::ErrorProbe(const System& system, Workspace& work, JacobianSolver& so
   unknowns_.resize(error_.size());
 }
 
-bool ErrorProbe::perturb(Pack& pack, const double* const (&state)[3], Probes probes,
-                         const Unseen& unseen, std::uint64_t seed) {
+bool ErrorProbe::perturb(Pack& pack, const double* const (&state)[3], Probes probes, const Unseen& unseen,
+                         std::uint64_t seed) {
   unseen_ = unseen;
   solver_.choose(pack);
   work_.set_inputs(pack, state[0]);

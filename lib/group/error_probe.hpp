@@ -44,8 +44,8 @@ class ErrorProbe {
   // For each probe, computes the errors of the unknowns, to first order, from the errors of the inputs and from the
   // cause of the probe; `seed` draws the random signs. Unseen residuals count as rounding. False if the Jacobian is
   // singular.
-  [[nodiscard]] bool perturb(Pack& pack, const double* const (&state)[3], Probes probes,
-                             const Unseen& unseen, std::uint64_t seed);
+  [[nodiscard]] bool perturb(Pack& pack, const double* const (&state)[3], Probes probes, const Unseen& unseen,
+                             std::uint64_t seed);
 
   // The same at a limit.
   void perturb(const Pack& pack, const PackLimit& limit, const double* const (&state)[3], Probes probes,
@@ -84,12 +84,12 @@ class ErrorProbe {
   // Number of probes in the lanes of evaluator(), each with W lanes; 1 for callbacks, whose cost exceeds that of all
   // lanes.
   const std::size_t side_by_side_;
-  const std::size_t lanes_, size_;                  // W, n x W
-  const std::unique_ptr<Evaluator> evaluator_;      // null: the workspace's evaluator, for one probe at a time
+  const std::size_t lanes_, size_;              // W, n x W
+  const std::unique_ptr<Evaluator> evaluator_;  // null: the workspace's evaluator, for one probe at a time
   Unseen unseen_{};
-  LaneArray residual_, noise_, tolerance_, whole_;  // n x W
-  LaneArray narrow_;                                // inputs x W
-  LaneArray rhs_;                                   // probes x n x W
+  LaneArray residual_, noise_, tolerance_, whole_;                 // n x W
+  LaneArray narrow_;                                               // inputs x W
+  LaneArray rhs_;                                                  // probes x n x W
   LaneArray error_, bent_, moved_, direction_, probe_, unknowns_;  // n x probes x W
   LaneArray coefficients_, inputs_, input_errors_, input_direction_, moved_inputs_,
       resting_inputs_;  // rows x probes x W

@@ -65,8 +65,8 @@ class GroupSolver {
   [[nodiscard]] double residual_of(const Pack& pack, const double* state) { return step_.residual_of(pack, state); }
 
   // ErrorProbe at a solved posture.
-  [[nodiscard]] bool perturb(Pack& pack, const double* const (&state)[3], Probes probes,
-                             const Unseen& unseen, std::uint64_t seed) {
+  [[nodiscard]] bool perturb(Pack& pack, const double* const (&state)[3], Probes probes, const Unseen& unseen,
+                             std::uint64_t seed) {
     return probe_.perturb(pack, state, probes, unseen, seed);
   }
   void perturb(const Pack& pack, const PackLimit& limit, const double* const (&state)[3], Probes probes,

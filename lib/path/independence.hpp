@@ -39,7 +39,7 @@ class Independence {
   struct Row {
     Index equation;
     std::vector<Entry> entries;  // its gradient
-    double length = 0;           // over the unknowns of the units
+    double length = 0;           // over the unknowns of the units; at least kLeastScale
   };
   struct Unit;  // equations and unknowns that are solved together: an irreducible block of a group
   void collect(const Structure& structure);

@@ -59,7 +59,8 @@ TEST(RandomMechanisms, NoneIsWrongWithACleanStatus) {
 
 // These seeds are from searches among tens of thousands, one or two for each kind of fault.
 TEST(RandomMechanisms, FormerlyWrongOnesStayRight) {
-  for (const std::uint64_t seed : {492, 1163, 1792, 5583, 6622, 101955, 103855, 697, 2303, 103555, 3393, 34198, 63226}) {
+  for (const std::uint64_t seed :
+       {492, 1163, 1792, 5583, 6622, 101955, 103855, 697, 2303, 103555, 3393, 34198, 63226}) {
     const RandomMechanism m = random_mechanism(seed, ASSUR_SOURCE_DIR "/tests/data/tables");
     const Trial t = try_out(m);
     EXPECT_LT(t.verdict, Verdict::refused) << told(m, t);

@@ -487,7 +487,7 @@ struct Search {
           for (std::size_t i = 0; i < s.outputs().size(); ++i) {
             const double value = twin.outputs()[i];
             const double most = is_value(s.columns()[i]) ? 1e-12 * std::max(1.0, std::abs(value)) : 1e-9 * fastest;
-            // The other way may wind an arm round its axis, as in 1 of 100,000 commands; small steps say the same.
+            // The other way may wind an arm round its axis, as in 1 of 10,000 ways home; small steps say the same.
             const bool is_angle = s.columns()[i].find('.') == std::string::npos;
             const double turns = is_angle ? std::round((s.outputs()[i] - value) / (2 * std::numbers::pi)) : 0;
             wound += turns != 0 ? 1 : 0;
