@@ -296,7 +296,7 @@ TEST(LawRounding, StartsAtRestAreAccurate) {
 // The error is measured again before the rounding of the angle has doubled twice.
 TEST(LawRounding, FollowsGrowingAngles) {
   const Scene scene =
-      four_bar().drive("motor", PointAngle{"A", "B", "", Law::polynomial({0, 0, 0, 0, 1})}).time(0, 20, 0.05).build();
+      four_bar().drive("motor", PointAngle{"A", "B", "", Law::polynomial({0, 0, 0, 0, 1})}).time(0, 14, 0.05).build();
   for (const std::string strategy : {"irreducible/lanes", "irreducible/lanes:4+chunks=4"}) {
     const Prepared p = prepare(scene, {.strategy = strategy});
     Simulator s(p);

@@ -123,7 +123,7 @@ TEST(Recovery, FailedCommandsLeaveNoTrace) {
       const double size = std::pow(10, draw.real(-3, -0.5));
       std::vector<double> heading(at.size());
       // Gough's machine has one group of many unknowns, whose failed steps take a second each.
-      const int commands = scene.name() == "gough" ? 8 : 40;
+      const int most = scene.name() == "gough" ? 8 : 40, commands = std::min(test::random_count(most), most);
       for (int k = 0; k < commands; ++k, ++done) {
         if (k % 10 == 0) {
           for (double& h : heading) h = draw.maybe() ? draw.real(-size, size) : 0;
