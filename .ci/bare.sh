@@ -10,6 +10,7 @@ bare() {
   rm -rf --one-file-system "$root"
   mkdir -p "$root"
   debootstrap --variant=minbase "$1" "$root" "$mirror"
+  echo '127.0.0.1 localhost' >"$root/etc/hosts"  # as the installer does; chromedriver's clients ask for it
   mkdir "$root/assur"
   git ls-files -z | tar --create --null --files-from=- | tar --extract --directory "$root/assur"
 }

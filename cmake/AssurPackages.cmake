@@ -23,6 +23,7 @@ assur_package(Hwloc optional DEBIAN libhwloc-dev FOR "cores, caches and memory n
 assur_package(Boost optional DEBIAN libboost-dev FOR "reference solutions and certificates in quad precision"
               VERSION 1.74)
 assur_package(tinyxml2 optional DEBIAN libtinyxml2-dev FOR "models in MuJoCo's format" VERSION 9.0 CONFIG)
+assur_package(asmjit optional DEBIAN libasmjit-dev FOR "steps in machine code, on x86-64" CONFIG)
 assur_package(Hdf5C optional DEBIAN libhdf5-dev FOR "data sets of linkages and motions" VERSION 1.10)
 if(ASSUR_PYTHON)
   # The Python of the system, because system packages only work with it.

@@ -2,7 +2,7 @@
 # includes db/. The sources of the core (CORE, relative to lib/) include, directly or indirectly, none of the libraries
 # that the core must not use. lib/CMakeLists.txt lists all sources.
 cmake_minimum_required(VERSION 3.25)
-set(foreign "^#include [<\"](nlohmann|muParser|cs\\.h|btf\\.h|klu\\.h|umfpack|dmumps|suitesparse|SQLite|CLI|boost|tinyxml2)")
+set(foreign "^#include [<\"](nlohmann|muParser|cs\\.h|btf\\.h|klu\\.h|umfpack|dmumps|suitesparse|SQLite|CLI|boost|tinyxml2|asmjit)")
 set(findings "")
 
 # check_order(ROOT folders...): appends to `findings`, and sets `files`. Files in ROOT itself include no folder, unless
@@ -25,7 +25,7 @@ macro(check_order root)
 endmacro()
 
 check_order(${TUNER} measure output sweep pictures check tuning report commands enough_memory.cpp main.cpp)
-check_order(${LIB} parallel scene mjcf structure equations backends planning modes signals group path errors
+check_order(${LIB} parallel scene mjcf structure equations backends planning modes signals group program execute path errors
             side_by_side simulation fleet c db)
 
 file(READ ${LIB}/CMakeLists.txt listed)

@@ -1,0 +1,234 @@
+// Compiled once for each SIMD target; make_interpreter() chooses the target.
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "execute/interpreter.cpp"
+#include <hwy/foreach_target.h>  // must precede the code compiled for each target
+
+#include <hwy/highway.h>
+
+#include "execute/executor.hpp"
+
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include "equations/lane_array.hpp"
+#include "execute/places.hpp"
+#include "index.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace assur::HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+template <int W>
+class Interpreter final : public Executor {
+  using D = hn::CappedTag<double, W>;
+  using V = hn::Vec<D>;
+
+ public:
+  explicit Interpreter(const StepProgram& program) {
+    std::size_t places = 0;
+    for (const Phase& p : program.phases) {
+      phases_.push_back(translate(p));
+      places = std::max(places, phases_.back().places);
+    }
+    values_.assign(places * W, 0.0);
+  }
+
+  void run(const std::array<double*, kMemories>& memory) override {
+    double* from[kSources];
+    std::copy(memory.begin(), memory.end(), from);
+    from[kValues] = values_.data();
+    for (Listing& p : phases_) {
+      from[kConstants] = p.constants.data();
+      if (!p.repeat_while) {
+        run(p, from);
+        continue;
+      }
+      while (is_positive(from[p.repeat_while->source] + p.repeat_while->offset)) run(p, from);
+    }
+  }
+
+ private:
+  // Where operands are: memories, values of the phase, and constants.
+  enum : std::uint8_t { kValues = kMemories, kConstants, kSources };
+  struct Operand {
+    std::uint8_t source = kValues;
+    std::uint32_t offset = 0;
+  };
+  struct Operation {
+    Op op;
+    Operand operand[4];
+    Operand to;
+  };
+  // A phase whose loads and constants are operands.
+  struct Listing {
+    std::vector<Operation> operations;
+    LaneArray constants;
+    std::size_t places;
+    std::optional<Operand> repeat_while;
+  };
+
+  static Operand of(Slot s) { return {static_cast<std::uint8_t>(s.memory), s.index * W}; }
+
+  static Listing translate(const Phase& phase) {
+    const Places places = places_of(phase);
+    Listing out{{}, LaneArray(phase.constants.size() * W), places.count, {}};
+    for (std::size_t i = 0; i < phase.constants.size(); ++i)
+      std::fill_n(out.constants.data() + i * W, W, phase.constants[i]);
+    if (phase.repeat_while) out.repeat_while = of(*phase.repeat_while);
+    std::vector<Operand> value;
+    for (std::size_t i = 0; i < phase.code.size(); ++i) {
+      const Instruction& n = phase.code[i];
+      if (n.op == Op::load) {
+        value.push_back(of(n.slot));
+      } else if (n.op == Op::constant) {
+        value.push_back({kConstants, n.operand[0] * W});
+      } else {
+        value.push_back({kValues, places.of[i] * W});
+        Operation& to = out.operations.emplace_back(Operation{n.op, {}, value.back()});
+        for (std::size_t k = 0; k < static_cast<std::size_t>(operands_of(n.op)); ++k)
+          to.operand[k] = value[n.operand[k]];
+      }
+    }
+    // A number that is stored as it was loaded is read before the first store.
+    std::vector<Operation> stores;
+    for (const Phase::Store& s : phase.stores) {
+      const bool is_loaded = phase.code[s.value].op == Op::load;
+      const Operand kept{kValues, places.of[s.value] * W};
+      if (is_loaded) out.operations.push_back({Op::load, {value[s.value]}, kept});
+      stores.push_back({Op::load, {is_loaded ? kept : value[s.value]}, of(s.to)});
+    }
+    out.operations.insert(out.operations.end(), stores.begin(), stores.end());
+    return out;
+  }
+
+  static bool is_positive(const double* slot) {
+    return std::any_of(slot, slot + W, [](double x) { return x > 0; });
+  }
+
+  // c + a b, rounded once.
+  static HWY_INLINE V fused(V a, V b, V c) {
+#if HWY_TARGET == HWY_SCALAR || HWY_TARGET == HWY_EMU128
+    const D d;
+    HWY_ALIGN double x[hn::MaxLanes(D())], y[hn::MaxLanes(D())], z[hn::MaxLanes(D())];
+    hn::Store(a, d, x);
+    hn::Store(b, d, y);
+    hn::Store(c, d, z);
+    for (std::size_t i = 0; i < hn::MaxLanes(D()); ++i) z[i] = std::fma(x[i], y[i], z[i]);
+    return hn::Load(d, z);
+#else
+    return hn::MulAdd(a, b, c);
+#endif
+  }
+
+  static void run(const Listing& listing, double* const (&from)[kSources]) {
+    const D d;
+    for (const Operation& n : listing.operations) {
+      const auto at = [&](const Operand& o) { return from[o.source] + o.offset; };
+      double* const to = at(n.to);
+      const double *const a = at(n.operand[0]), *const b = at(n.operand[1]);
+      const auto each = [&](const auto& result) HWY_ATTR {
+        for (std::size_t l = 0; l < W; l += hn::MaxLanes(D())) hn::StoreU(result(l), d, to + l);
+      };
+      const auto v = [&](const double* x, std::size_t l) HWY_ATTR { return hn::LoadU(d, x + l); };
+      switch (n.op) {
+        case Op::load:
+        case Op::constant:
+          each([&](std::size_t l) HWY_ATTR { return v(a, l); });
+          break;
+        case Op::add:
+          each([&](std::size_t l) HWY_ATTR { return hn::Add(v(a, l), v(b, l)); });
+          break;
+        case Op::subtract:
+          each([&](std::size_t l) HWY_ATTR { return hn::Sub(v(a, l), v(b, l)); });
+          break;
+        case Op::multiply:
+          each([&](std::size_t l) HWY_ATTR { return hn::Mul(v(a, l), v(b, l)); });
+          break;
+        case Op::divide:
+          each([&](std::size_t l) HWY_ATTR { return hn::Div(v(a, l), v(b, l)); });
+          break;
+        case Op::fma: {
+          const double* const c = at(n.operand[2]);
+          each([&](std::size_t l) HWY_ATTR { return fused(v(a, l), v(b, l), v(c, l)); });
+          break;
+        }
+        case Op::fnma: {
+          const double* const c = at(n.operand[2]);
+          each([&](std::size_t l) HWY_ATTR { return fused(hn::Neg(v(a, l)), v(b, l), v(c, l)); });
+          break;
+        }
+        case Op::fms: {
+          const double* const c = at(n.operand[2]);
+          each([&](std::size_t l) HWY_ATTR { return fused(v(a, l), v(b, l), hn::Neg(v(c, l))); });
+          break;
+        }
+        case Op::square_root:
+          each([&](std::size_t l) HWY_ATTR { return hn::Sqrt(v(a, l)); });
+          break;
+        case Op::absolute:
+          each([&](std::size_t l) HWY_ATTR { return hn::Abs(v(a, l)); });
+          break;
+        case Op::copy_sign:
+          each([&](std::size_t l) HWY_ATTR { return hn::CopySign(v(a, l), v(b, l)); });
+          break;
+        case Op::round:
+          each([&](std::size_t l) HWY_ATTR { return hn::Round(v(a, l)); });
+          break;
+        case Op::larger:
+          each([&](std::size_t l) HWY_ATTR { return hn::IfThenElse(hn::Gt(v(a, l), v(b, l)), v(a, l), v(b, l)); });
+          break;
+        case Op::select: {
+          const double *const yes = at(n.operand[2]), *const no = at(n.operand[3]);
+          each([&](std::size_t l) HWY_ATTR { return hn::IfThenElse(hn::Le(v(a, l), v(b, l)), v(yes, l), v(no, l)); });
+          break;
+        }
+      }
+    }
+  }
+
+  std::vector<Listing> phases_;
+  LaneArray values_;
+};
+
+Executor* make(const StepProgram& program, int lanes) {
+  switch (lanes) {
+    case 1:
+      return new Interpreter<1>(program);
+    case 2:
+      return new Interpreter<2>(program);
+    case 4:
+      return new Interpreter<4>(program);
+    case 8:
+      return new Interpreter<8>(program);
+    case 16:
+      return new Interpreter<16>(program);
+    default:
+      return nullptr;
+  }
+}
+
+}  // namespace
+}  // namespace assur::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace assur {
+
+HWY_EXPORT(make);
+
+std::unique_ptr<Executor> make_interpreter(const StepProgram& program, int lanes) {
+  for (const Phase& p : program.phases) {
+    if (std::any_of(p.code.begin(), p.code.end(), [](const Instruction& n) { return n.op > Op::select; }))
+      return nullptr;
+  }
+  std::unique_ptr<Executor> interpreter(HWY_DYNAMIC_DISPATCH(make)(program, lanes));
+  if (!interpreter) throw std::invalid_argument("lanes must be 1, 2, 4, 8 or 16");
+  return interpreter;
+}
+
+}  // namespace assur
+#endif

@@ -1,0 +1,216 @@
+#include "execute/executors.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "numbers.hpp"
+#include "program/graph.hpp"
+#include "simulation/random_mechanisms.hpp"
+
+namespace assur {
+namespace {
+
+constexpr std::uint32_t kSlots = 6;
+constexpr std::array<std::size_t, kMemories> kOnlyWork = [] {
+  std::array<std::size_t, kMemories> sizes{};
+  sizes[static_cast<std::size_t>(Memory::work)] = kSlots;
+  return sizes;
+}();
+
+// The operation as step_program.hpp defines it.
+double apply(Op op, double a, double b, double c, double d) {
+  switch (op) {
+    case Op::add:
+      return a + b;
+    case Op::subtract:
+      return a - b;
+    case Op::multiply:
+      return a * b;
+    case Op::divide:
+      return a / b;
+    case Op::fma:
+      return std::fma(a, b, c);
+    case Op::fnma:
+      return std::fma(-a, b, c);
+    case Op::fms:
+      return std::fma(a, b, -c);
+    case Op::square_root:
+      return std::sqrt(a);
+    case Op::absolute:
+      return std::abs(a);
+    case Op::copy_sign:
+      return std::copysign(a, b);
+    case Op::round:
+      return std::nearbyint(a);
+    case Op::larger:
+      return a > b ? a : b;
+    case Op::select:
+      return a <= b ? c : d;
+    default:
+      return kNan;
+  }
+}
+
+// Bits, but equal ones for all NaN: processors choose their payloads.
+std::uint64_t bits_of(double x) { return std::isnan(x) ? ~std::uint64_t{0} : std::bit_cast<std::uint64_t>(x); }
+
+constexpr std::size_t kOperations = static_cast<std::size_t>(Op::select) - static_cast<std::size_t>(Op::add) + 1;
+constexpr double kInf = std::numeric_limits<double>::infinity();
+constexpr std::array kSpecial = {0.0,  -0.0,  1.0,  -1.0,     0.5,       -2.5,    3.5,
+                                 kInf, -kInf, kNan, 4.9e-324, -2.2e-308, 1.7e308, 4503599627370497.5};
+
+double any_number(test::Draw& draw) {
+  if (draw.below(3) == 0) return kSpecial[draw.below(kSpecial.size())];
+  return draw.real(-1, 1) * std::pow(10, draw.real(-12, 12));
+}
+
+// Each operation for all special numbers.
+TEST(Executors, AgreeWithTheDefinitionOfEachOperation) {
+  std::vector<std::array<double, 4>> cases;
+  for (const double a : kSpecial) {
+    for (const double b : kSpecial) {
+      for (const double c : kSpecial) cases.push_back({a, b, c, 2.0});
+    }
+  }
+  for (int op = static_cast<int>(Op::add); op <= static_cast<int>(Op::select); ++op) {
+    Phase phase;
+    for (std::uint32_t s = 0; s < 4; ++s) phase.code.push_back({Op::load, {}, {Memory::work, s}});
+    phase.code.push_back({static_cast<Op>(op), {0, 1, 2, 3}, {}});
+    phase.stores.push_back({{Memory::work, 4}, 4});
+    for (const test::NamedExecutor& e : test::executors_of({{phase}})) {
+      test::StepMemory memory(kOnlyWork, e.lanes);
+      for (std::size_t first = 0; first < cases.size(); ++first) {
+        const auto lanes = static_cast<std::size_t>(e.lanes);
+        const auto in_lane = [&](std::size_t l) { return cases[(first + 7 * l) % cases.size()]; };
+        for (std::size_t l = 0; l < lanes; ++l) {
+          for (std::size_t s = 0; s < 4; ++s) memory(Memory::work, s, l) = in_lane(l)[s];
+        }
+        e.executor->run(memory.at);
+        for (std::size_t l = 0; l < lanes; ++l) {
+          const auto [a, b, c, d] = in_lane(l);
+          ASSERT_EQ(bits_of(memory(Memory::work, 4, l)), bits_of(apply(static_cast<Op>(op), a, b, c, d)))
+              << e.name << ", operation " << op << " of " << a << ", " << b << ", " << c;
+        }
+      }
+    }
+  }
+}
+
+// One phase of random operations on random slots; reference: what a loop over doubles makes of it.
+TEST(Executors, GiveTheBitsOfTheDefinition) {
+  test::Draw draw(1);
+  for (int round = 0; round < 60; ++round) {
+    Phase phase;
+    for (std::uint32_t s = 0; s < kSlots; ++s) phase.code.push_back({Op::load, {}, {Memory::work, s}});
+    phase.constants = {any_number(draw), 0.25};
+    phase.code.push_back({Op::constant, {0}, {}});
+    phase.code.push_back({Op::constant, {1}, {}});
+    for (int i = 0; i < 60; ++i) {
+      Instruction n{static_cast<Op>(static_cast<std::size_t>(Op::add) + draw.below(kOperations)), {}, {}};
+      if (n.op == Op::copy_sign) n.op = Op::absolute;  // the sign of NaN depends on the processor
+      for (std::size_t k = 0; k < static_cast<std::size_t>(operands_of(n.op)); ++k) {
+        n.operand[k] = static_cast<std::uint32_t>(draw.below(phase.code.size()));
+      }
+      phase.code.push_back(n);
+    }
+    const auto last = static_cast<std::uint32_t>(phase.code.size());
+    for (std::uint32_t s = 0; s < kSlots; ++s) phase.stores.push_back({{Memory::work, s}, last - 1 - 9 * s});
+    phase.stores.back().value = 0;  // a number as it was loaded, from a slot that was written before
+
+    constexpr std::size_t kCases = 16;
+    std::array<std::array<double, kSlots>, kCases> given;
+    for (auto& numbers : given) {
+      for (double& x : numbers) x = any_number(draw);
+    }
+    std::array<std::array<double, kSlots>, kCases> expected;
+    for (std::size_t i = 0; i < kCases; ++i) {
+      std::vector<double> values;
+      for (const Instruction& n : phase.code) {
+        const auto of = [&](std::size_t k) { return values.empty() ? 0 : values[n.operand[k] % values.size()]; };
+        if (n.op == Op::load) {
+          values.push_back(given[i][n.slot.index]);
+        } else if (n.op == Op::constant) {
+          values.push_back(phase.constants[n.operand[0]]);
+        } else {
+          values.push_back(apply(n.op, of(0), of(1), of(2), of(3)));
+        }
+      }
+      for (const Phase::Store& s : phase.stores) expected[i][s.to.index] = values[s.value];
+    }
+    for (const test::NamedExecutor& e : test::executors_of({{phase}})) {
+      SCOPED_TRACE(e.name + ", round " + std::to_string(round));
+      const auto lanes = static_cast<std::size_t>(e.lanes);
+      for (std::size_t first = 0; first < kCases; first += lanes) {
+        test::StepMemory memory(kOnlyWork, e.lanes);
+        for (std::size_t l = 0; l < lanes; ++l) {
+          for (std::size_t s = 0; s < kSlots; ++s) memory(Memory::work, s, l) = given[first + l][s];
+        }
+        e.executor->run(memory.at);
+        for (std::size_t l = 0; l < lanes; ++l) {
+          for (std::size_t s = 0; s < kSlots; ++s) {
+            ASSERT_EQ(bits_of(memory(Memory::work, s, l)), bits_of(expected[first + l][s])) << "slot " << s;
+          }
+        }
+      }
+    }
+  }
+}
+
+// Heron's method: each lane repeats as often as it needs, whatever its neighbours do.
+TEST(Executors, RepeatAPhaseForEachLane) {
+  Graph g;
+  const Slot root{Memory::work, 0}, square{Memory::work, 1}, active{Memory::work, 2}, count{Memory::work, 3};
+  const Value x = g.load(root), zero = g.constant(0), one = g.constant(1);
+  const Value next = (x + g.load(square) / x) * g.constant(0.5);
+  const Value moved = absolute(next - x) - g.constant(1e-15) * next;
+  g.store(root, if_at_most(g.load(active), zero, x, next));
+  g.store(count, g.load(count) + g.load(active));
+  g.store(active, if_at_most(g.load(active), zero, zero, if_at_most(moved, zero, zero, one)));
+  Phase phase = g.phase();
+  phase.repeat_while = active;
+  std::vector<double> alone;
+  for (const test::NamedExecutor& e : test::executors_of({{phase}})) {
+    SCOPED_TRACE(e.name);
+    for (std::size_t first = 0; first < 16; first += static_cast<std::size_t>(e.lanes)) {
+      test::StepMemory memory(kOnlyWork, e.lanes);
+      for (std::size_t l = 0; l < static_cast<std::size_t>(e.lanes); ++l) {
+        memory(Memory::work, 0, l) = 1;
+        memory(Memory::work, 1, l) = std::pow(10, static_cast<double>(first + l));
+        memory(Memory::work, 2, l) = first + l == 5 ? 0 : 1;
+      }
+      e.executor->run(memory.at);
+      for (std::size_t l = 0; l < static_cast<std::size_t>(e.lanes); ++l) {
+        const std::size_t i = first + l;
+        EXPECT_DOUBLE_EQ(memory(Memory::work, 0, l), i == 5 ? 1 : std::sqrt(memory(Memory::work, 1, l)));
+        if (alone.size() == i) alone.push_back(memory(Memory::work, 3, l));
+        EXPECT_EQ(memory(Memory::work, 3, l), alone[i]);
+      }
+    }
+  }
+  EXPECT_EQ(alone[5], 0);
+  EXPECT_GT(alone[15], alone[1]);
+}
+
+TEST(Executors, DeclineOperationsThatTheyLack) {
+  Graph g;
+  g.store({Memory::work, 0}, absolute(g.load({Memory::work, 1})));
+  StepProgram program{{g.phase()}};
+  ASSERT_NE(make_interpreter(program, 4), nullptr);
+  program.phases[0].code.back().op = static_cast<Op>(200);
+  EXPECT_EQ(make_interpreter(program, 4), nullptr);
+  EXPECT_EQ(make_machine_code(program, 4, VectorCode::avx2), nullptr);
+}
+
+TEST(Executors, GoWithoutCodeWhereTheSystemRefusesIt) {
+  Graph g;
+  g.store({Memory::work, 0}, absolute(g.load({Memory::work, 1})));
+  EXPECT_EQ(make_machine_code({{g.phase()}}, 4, VectorCode::avx2, [](void*, std::size_t) { return false; }), nullptr);
+}
+
+}  // namespace
+}  // namespace assur

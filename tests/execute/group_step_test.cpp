@@ -1,0 +1,192 @@
+#include "program/group_step.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <vector>
+
+#include "assur/plan.hpp"
+#include "assur/scene.hpp"
+#include "equations/evaluator.hpp"
+#include "execute/executors.hpp"
+#include "group/branch.hpp"
+#include "group/step_rules.hpp"
+#include "index.hpp"
+#include "scene/shipped_files.hpp"
+#include "scene/system.hpp"
+#include "simulation/random_mechanisms.hpp"
+
+namespace assur {
+namespace {
+
+constexpr std::size_t kCases = 16;
+
+// A class of groups with random predictions near the start, one in each case.
+struct Setting {
+  Setting(const Structure& structure, std::int32_t c, test::Draw& draw)
+      : s(structure),
+        group_class(s.classes[idx(c)]),
+        equations(compile(group_class, s.pattern(c))),
+        blocks(group_class, equations, 1),
+        reads(blocks.reads(0).begin(), blocks.reads(0).end()) {
+    std::vector<const Group*> groups;
+    for (const Group& g : s.groups) {
+      if (g.group_class == c) groups.push_back(&g);
+    }
+    for (std::size_t i = 0; i < kCases; ++i) {
+      const Group& g = *groups[i % groups.size()];
+      Case& at = cases[i];
+      std::vector<double> constants;
+      for (const std::int32_t k : g.constants) constants.push_back(s.system->constants[idx(k)]);
+      at.coefficients.resize(equations.coefficients.size());
+      bind_coefficients(equations, constants, at.coefficients.data(), 1);
+      for (std::int32_t k = 0; k < group_class.inputs; ++k) {
+        const bool moves = group_class.input_moves[idx(k)] != 0;
+        at.inputs.push_back(s.start[idx(g.inputs[idx(k)])] + (moves ? draw.real(-1e-5, 1e-5) : 0));
+        at.input_rates.push_back(moves ? draw.real(-1, 1) : 0);
+        at.input_accelerations.push_back(moves ? draw.real(-1, 1) : 0);
+      }
+      for (const Index u : g.unknowns) at.unknowns.push_back(s.start[idx(u)] + draw.real(-1e-5, 1e-5));
+      at.omega = 0.1;
+    }
+  }
+
+  struct Case {
+    std::vector<double> coefficients, inputs, input_rates, input_accelerations, unknowns;
+    double omega;
+  };
+
+  [[nodiscard]] test::StepMemory memory(std::size_t first, int lanes) const {
+    const auto n = idx(group_class.n), inputs = idx(group_class.inputs);
+    test::StepMemory m({equations.coefficients.size(), inputs, inputs, inputs, n, n, n, pivots_of_group_step(equations),
+                        reads.size(), 1, kGroupSettings, work_of_group_step(equations), kGroupFigures},
+                       lanes);
+    for (std::size_t l = 0; l < idx(lanes); ++l) {
+      const Case& c = cases[first + l];
+      const auto put = [&](Memory memory, const std::vector<double>& numbers) {
+        for (std::size_t k = 0; k < numbers.size(); ++k) m(memory, k, l) = numbers[k];
+      };
+      put(Memory::coefficients, c.coefficients);
+      put(Memory::inputs, c.inputs);
+      put(Memory::input_rates, c.input_rates);
+      put(Memory::input_accelerations, c.input_accelerations);
+      put(Memory::unknowns, c.unknowns);
+      for (std::size_t k = 0; k < reads.size(); ++k) {
+        const auto reg = idx(reads[k]);
+        m(Memory::anchor, k, l) = reg < n ? c.unknowns[reg] : c.inputs[reg - n];
+      }
+      // Both orders of each pair of rows occur.
+      for (std::size_t k = 0; k < pivots_of_group_step(equations); ++k) {
+        m(Memory::pivots, k, l) = (first + l + k) % 2 == 0 ? 1 : -1;
+      }
+      m(Memory::omega, 0, l) = c.omega;
+      m(Memory::settings, kConvergedAt, l) = kConverged;
+      m(Memory::settings, kMostIterations, l) = 10;
+      m(Memory::settings, kLargestFirst, l) = largest_first_correction(0);
+    }
+    return m;
+  }
+
+  const Structure& s;
+  const GroupClass& group_class;
+  Program equations;
+  BlockConditions blocks;
+  std::vector<std::int32_t> reads;
+  std::array<Case, kCases> cases;
+};
+
+// Bits, but equal ones for all NaN: processors choose their payloads.
+std::uint64_t bits(double x) { return std::isnan(x) ? ~std::uint64_t{0} : std::bit_cast<std::uint64_t>(x); }
+
+// All that a lane leaves behind.
+std::vector<std::uint64_t> bits_of(test::StepMemory& m, const Setting& at, std::size_t lane) {
+  std::vector<std::uint64_t> all;
+  for (std::size_t j = 0; j < idx(at.group_class.n); ++j) {
+    for (const Memory memory : {Memory::work, Memory::rates, Memory::accelerations}) {
+      all.push_back(bits(m(memory, j, lane)));
+    }
+  }
+  for (std::size_t f = 0; f < kGroupFigures; ++f) all.push_back(bits(m(Memory::figures, f, lane)));
+  return all;
+}
+
+// Against the evaluator of equations, and Eigen's LU.
+void expect_solved(test::StepMemory& m, const Setting& at) {
+  const auto n = static_cast<Eigen::Index>(at.group_class.n);
+  const auto evaluator = make_evaluator(*at.s.system, at.equations, 1);
+  const std::span<const double> x(m.at[static_cast<std::size_t>(Memory::work)], idx(at.group_class.n));
+  const Setting::Case& c = at.cases[0];
+  std::vector<double> coefficients = c.coefficients;
+  Eigen::VectorXd phi(n), scale(n), rhs(n), values(at.equations.pattern.nnz());
+  evaluator->set_inputs(coefficients.data(), c.inputs.data());
+  evaluator->evaluate(x.data(), phi.data(), values.data());
+  evaluator->scale(scale.data());
+  for (Eigen::Index i = 0; i < n; ++i) EXPECT_LE(std::abs(phi[i]), 2 * kConverged * scale[i]);
+  Eigen::MatrixXd j = Eigen::MatrixXd::Zero(n, n);
+  for (Eigen::Index column = 0; column < n; ++column) {
+    const auto& start = at.equations.pattern.column_start;
+    for (std::int32_t k = start[static_cast<std::size_t>(column)]; k < start[static_cast<std::size_t>(column) + 1];
+         ++k) {
+      j(at.equations.pattern.row[idx(k)], column) = values[k];
+    }
+  }
+  const Eigen::FullPivLU<Eigen::MatrixXd> lu(j);
+  const double condition = 1 / std::max(lu.rcond(), kEps);
+  const auto expect_near = [&](Memory memory, const Eigen::VectorXd& expected) {
+    for (Eigen::Index i = 0; i < n; ++i) {
+      EXPECT_NEAR(m(memory, static_cast<std::size_t>(i), 0), expected[i],
+                  1e-14 * condition * (1 + expected.lpNorm<Eigen::Infinity>()));
+    }
+  };
+  if (at.group_class.derivatives < 1) return;
+  evaluator->velocity_rhs(c.input_rates.data(), rhs.data());
+  const Eigen::VectorXd rates = lu.solve(rhs);
+  expect_near(Memory::rates, rates);
+  if (at.group_class.derivatives < 2) return;
+  evaluator->acceleration_rhs(rates.data(), c.input_accelerations.data(), rhs.data());
+  expect_near(Memory::accelerations, lu.solve(rhs));
+}
+
+// Every class of two or three unknowns of the shipped mechanisms.
+TEST(GroupStep, HasTheSameBitsForEveryExecutorAndNumberOfLanes) {
+  test::Draw draw(2);
+  int classes = 0, solved = 0;
+  for (const auto& file : test::shipped_files()) {
+    const Prepared prepared = prepare(read_scene(file), {.strategy = "irreducible/lanes"});
+    const Structure& structure = *prepared.structure;
+    for (std::int32_t c = 0; c < static_cast<std::int32_t>(structure.classes.size()); ++c) {
+      const GroupClass& of = structure.classes[idx(c)];
+      if (of.n < 2 || of.n > 3 || !of.quadratic || of.blocks != 1 || of.first_wanted != 0) continue;
+      SCOPED_TRACE(file.string() + ", class " + std::to_string(c));
+      ++classes;
+      const Setting at(structure, c, draw);
+      const StepProgram program = group_step(of, at.equations, at.reads);
+      std::vector<std::vector<std::uint64_t>> expected;
+      for (const test::NamedExecutor& e : test::executors_of(program)) {
+        SCOPED_TRACE(e.name);
+        for (std::size_t first = 0; first < kCases; first += idx(e.lanes)) {
+          test::StepMemory m = at.memory(first, e.lanes);
+          e.executor->run(m.at);
+          for (std::size_t l = 0; l < idx(e.lanes); ++l) {
+            const auto left = bits_of(m, at, l);
+            if (expected.size() == first + l) {
+              expected.push_back(left);
+              const bool is_solved = m(Memory::figures, kFailed, l) == 0;
+              solved += is_solved ? 1 : 0;
+              if (is_solved && first + l == 0) expect_solved(m, at);
+            }
+            ASSERT_EQ(left, expected[first + l]) << "case " << first + l;
+          }
+        }
+      }
+    }
+  }
+  EXPECT_GT(classes, 10);
+  EXPECT_GT(solved, 8 * classes);  // the others have pivots that are too small
+}
+
+}  // namespace
+}  // namespace assur
