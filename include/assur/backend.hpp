@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "assur/machine.hpp"
 #include "assur/status.hpp"
 
 namespace assur {
@@ -38,11 +39,6 @@ struct Shape {
   std::uint64_t pattern = 0;    // hash (64-bit FNV-1a) of the sparsity pattern; 0: not computed
 
   friend bool operator==(const Shape&, const Shape&) = default;
-};
-
-// Threads that a call may use. It is an argument of each call, never a global setting.
-struct ThreadBudget {
-  std::int32_t threads = 1;  // at least 1
 };
 
 // Arithmetic of the factors: double or float. Values and right-hand sides are double in both cases. Solutions with

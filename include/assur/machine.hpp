@@ -5,9 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "assur/backend.hpp"
-
 namespace assur {
+
+// Threads that a call may use. It is an argument of each call, never a global setting.
+struct ThreadBudget {
+  std::int32_t threads = 1;  // at least 1
+};
 
 // One level of the cache hierarchy.
 struct Cache {

@@ -19,6 +19,7 @@
 #include "assur/plan.hpp"
 #include "assur/report.hpp"
 #include "assur/rows.hpp"
+#include "assur/step_limits.hpp"
 
 namespace assur {
 
@@ -69,28 +70,6 @@ struct NpyOptions {
 // row, and the fields `t` and all outputs, so that numpy.load(file)["C.x"] is a column. Failures as in write_csv().
 // Throws Error (input) for `every` = 0.
 void write_npy(std::ostream& out, const Trajectory& trajectory, const NpyOptions& options = {});
-
-// Limits of one step, e.g. for a control loop.
-struct StepLimits {
-  // Exactly this many Newton iterations for each group that depends on other groups and each part of a divided step,
-  // without a test of convergence: the estimated error shows whether they were enough. Groups that depend on no other
-  // group iterate until they converge. 0: all groups do.
-  int iterations = 0;
-  int most_iterations = 12;  // a step is halved if a group needs more; at least 1; for groups whose number is not fixed
-  // s, time limit of a call of step(), also within run(), which then uses no chunks: Code::deadline; 0: none. All work
-  // of the call shares it: both tries, the choice of other redundant equations, the search for the time of a limit, and
-  // the estimates of errors. Checked before each pack; with +together only once, before all groups.
-  double seconds = 0;
-  // Processors to pin threads to (Machine::cores), one for each of the P threads (RunSettings::threads); without effect
-  // if P = 1. The calling thread is pinned during a call only. Pinned threads busy-wait within a step, so use dedicated
-  // cores; between steps they sleep. Empty: the system places the threads. The constructor throws Error: input for
-  // fewer processors than threads, environment for a processor that cannot be used.
-  std::vector<int> pin_to = {};
-  // Called between the parts of a divided step (millions for a very fast law), on the thread that does the step. In an
-  // Ensemble, or with chunks, several threads may call copies of it at once, and each call ends its own member only. If
-  // it returns true, the call ends with Code::interrupted. Empty: not called.
-  std::function<bool()> stop = {};
-};
 
 // Accuracy of one group at a posture.
 struct GroupFigures {

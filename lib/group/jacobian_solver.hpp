@@ -9,7 +9,7 @@
 
 #include "assur/backend.hpp"
 #include "assur/plan.hpp"
-#include "assur/simulator.hpp"
+#include "assur/report.hpp"
 #include "group/workspace.hpp"
 
 namespace assur {

@@ -14,7 +14,7 @@
 
 #include "assur/plan.hpp"
 #include "assur/report.hpp"
-#include "assur/simulator.hpp"
+#include "assur/step_limits.hpp"
 #include "group/step_rules.hpp"
 #include "numbers.hpp"
 #include "path/approach.hpp"

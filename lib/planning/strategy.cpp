@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "assur/backend.hpp"
-#include "assur/plan.hpp"
 #include "assur/status.hpp"
 
 namespace assur {
@@ -202,12 +201,6 @@ std::string to_string(const Strategy& s) {
   if (s.run.threads != 1 || s.solver.threads != 1)
     text += " " + std::to_string(s.run.threads) + "x" + std::to_string(s.solver.threads);
   return text;
-}
-
-Strategy Plan::strategy(const Choice& choice) const {
-  Strategy all{run, choice.solver};
-  all.run.threads = choice.threads;
-  return all;
 }
 
 std::string_view name(Formulation formulation) noexcept {

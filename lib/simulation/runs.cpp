@@ -108,8 +108,23 @@ bool Simulator::run_in_parts(std::span<const double> times, Trajectory& out, std
     std::optional<RunInParts> run = assur::run_in_parts(impl_->prepared, impl_->limits, times, columns().size());
     if (!run) return false;
     refused = run->refused;
-    if (refused.empty() && !impl_->stand_at_end(*run, times)) refused = "the accuracy of the last posture is in doubt";
     if (!refused.empty()) return false;
+    const double first_time = impl_->prepared.start_time.value_or(impl_->prepared.time.start);
+    impl_->start(times.back(), run->posture);
+    if (!impl_->doubt.ok()) {
+      refused = "the accuracy of the last posture is in doubt";
+      return false;
+    }
+    impl_->stands_at(std::span(run->values).last(columns().size()));
+    Report& report = impl_->report;
+    report = {};
+    impl_->events.clear();
+    report.counters = run->totals.counters;
+    report.counters.steps = static_cast<std::int64_t>(times.size()) - (times[0] == first_time ? 1 : 0);
+    report.counters.stored_values = static_cast<std::int64_t>(run->values.size());
+    report.error = impl_->earlier_error = run->totals.error;
+    report.reached = times.back();
+    impl_->earlier_effort = run->totals.effort;
     out.values_ = std::move(run->values);
     out.times_.assign(times.begin(), times.end());
     return true;

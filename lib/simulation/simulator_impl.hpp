@@ -19,7 +19,6 @@
 #include "path/continuation.hpp"
 #include "path/function_check.hpp"
 #include "scene/outputs.hpp"
-#include "side_by_side/run_in_parts.hpp"
 #include "signals/angle_turns.hpp"
 #include "signals/columns.hpp"
 #include "signals/output_program.hpp"
@@ -485,23 +484,6 @@ struct Simulator::Impl {
   void stands_at(std::span<const double> outputs_there) {
     std::copy(outputs_there.begin(), outputs_there.end(), row.begin());
     turns.continue_from(row);
-  }
-
-  // Stands at the last posture of a run in parts and takes its report. False if no run can start there.
-  bool stand_at_end(const RunInParts& run, std::span<const double> times) {
-    const double first_time = prepared.start_time.value_or(prepared.time.start);
-    start(times.back(), run.posture);
-    if (!doubt.ok()) return false;
-    stands_at(std::span(run.values).last(columns.size()));
-    report = {};
-    events.clear();
-    report.counters = run.totals.counters;
-    report.counters.steps = static_cast<std::int64_t>(times.size()) - (times[0] == first_time ? 1 : 0);
-    report.counters.stored_values = static_cast<std::int64_t>(run.values.size());
-    report.error = earlier_error = run.totals.error;
-    report.reached = times.back();
-    earlier_effort = run.totals.effort;
-    return true;
   }
 
   std::shared_ptr<const Prepared> owned;
