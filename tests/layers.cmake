@@ -25,8 +25,8 @@ macro(check_order root)
 endmacro()
 
 check_order(${TUNER} measure output sweep pictures check tuning report commands enough_memory.cpp main.cpp)
-check_order(${LIB} parallel scene mjcf structure equations backends planning modes signals group program execute path errors
-            side_by_side simulation fleet c db)
+check_order(${LIB} parallel backends scene mjcf structure equations planning modes signals group program execute path
+            errors simulation side_by_side verification fleet c db)
 
 file(READ ${LIB}/CMakeLists.txt listed)
 foreach(file IN LISTS files)

@@ -9,7 +9,7 @@
 #include "numbers.hpp"
 #include "parallel/team.hpp"
 #include "side_by_side/row_takers.hpp"
-#include "side_by_side/run_arguments.hpp"
+#include "simulation/run_arguments.hpp"
 
 namespace assur {
 namespace {

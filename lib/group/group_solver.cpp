@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
+#include "backends/small_steps.hpp"
 #include "index.hpp"
 #include "numbers.hpp"
-#include "planning/small_steps.hpp"
 #include "scene/residual_scale.hpp"
 
 namespace assur {

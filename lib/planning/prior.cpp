@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "backends/backends.hpp"
-#include "planning/small_steps.hpp"
+#include "backends/small_steps.hpp"
 
 namespace assur {
 namespace {

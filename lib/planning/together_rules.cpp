@@ -2,9 +2,9 @@
 
 #include <hwy/targets.h>
 
+#include "backends/small_steps.hpp"
 #include "equations/program.hpp"
 #include "equations/separable.hpp"
-#include "planning/small_steps.hpp"
 
 namespace assur {
 namespace {

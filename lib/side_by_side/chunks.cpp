@@ -9,9 +9,9 @@
 #include "decimal.hpp"
 #include "numbers.hpp"
 #include "parallel/team.hpp"
-#include "side_by_side/run_arguments.hpp"
 #include "side_by_side/tiles.hpp"
 #include "side_by_side/work_queue.hpp"
+#include "simulation/run_arguments.hpp"
 
 namespace assur {
 namespace {

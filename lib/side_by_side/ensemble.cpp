@@ -16,9 +16,9 @@
 #include "side_by_side/bound_members.hpp"
 #include "side_by_side/memory.hpp"
 #include "side_by_side/row_takers.hpp"
-#include "side_by_side/run_arguments.hpp"
 #include "side_by_side/tiles.hpp"
 #include "side_by_side/work_queue.hpp"
+#include "simulation/run_arguments.hpp"
 #include "structure/same_structure.hpp"
 
 namespace assur {

@@ -4,10 +4,10 @@
 #include <numeric>
 #include <utility>
 
-#include "side_by_side/run_arguments.hpp"
 #include "signals/columns.hpp"
 #include "simulation/constraint_jacobian.hpp"
 #include "simulation/output_slopes.hpp"
+#include "simulation/run_arguments.hpp"
 #include "simulation/simulator_impl.hpp"
 
 namespace assur {

@@ -3,8 +3,8 @@
 
 #include <array>
 
-#include "errors/quad.hpp"
 #include "scene/jet.hpp"
+#include "verification/quad.hpp"
 
 namespace assur::references {
 

@@ -5,9 +5,9 @@
 #include <random>
 #include <span>
 
-#include "errors/quad.hpp"
 #include "scene/law_evaluate.hpp"
 #include "scene/motions.hpp"
+#include "verification/quad.hpp"
 
 namespace assur::test {
 namespace {

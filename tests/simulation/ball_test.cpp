@@ -8,10 +8,10 @@
 #include <cmath>
 #include <vector>
 
-#include "errors/quad.hpp"
 #include "group/newton_kantorovich.hpp"
 #include "scene/law_evaluate.hpp"
 #include "simulation/random_mechanisms.hpp"
+#include "verification/quad.hpp"
 
 namespace assur {
 namespace {

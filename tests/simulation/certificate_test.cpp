@@ -1,5 +1,5 @@
 // Certificates compared with the reference in quad. The two share nothing but the equations of the scene.
-#include "errors/certificate.hpp"
+#include "verification/certificate.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,12 +11,12 @@
 #include <vector>
 
 #include "assur/saved_plan.hpp"
-#include "errors/reference_motion.hpp"
 #include "references/scaled.hpp"
 #include "simulation/conditions.hpp"
 #include "simulation/limited.hpp"
 #include "simulation/random_mechanisms.hpp"
 #include "source_dir.hpp"
+#include "verification/reference_motion.hpp"
 
 namespace assur {
 namespace {

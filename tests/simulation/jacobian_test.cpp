@@ -15,11 +15,11 @@
 
 #include "assur/eigen.hpp"
 #include "backends/allocations.hpp"
-#include "errors/reference_motion.hpp"
 #include "scene/outputs.hpp"
 #include "signals/output_program.hpp"
 #include "simulation/run.hpp"
 #include "source_dir.hpp"
+#include "verification/reference_motion.hpp"
 
 namespace assur {
 namespace {

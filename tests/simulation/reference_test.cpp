@@ -9,11 +9,11 @@
 #include <string>
 #include <vector>
 
-#include "errors/reference_motion.hpp"
 #include "references/planar.hpp"
 #include "references/stewart.hpp"
 #include "references/tables.hpp"
 #include "simulation/deviation.hpp"
+#include "verification/reference_motion.hpp"
 
 namespace assur {
 namespace {

@@ -3,8 +3,8 @@
 #include <numbers>
 
 #include "check/yardstick.hpp"
-#include "errors/reference_motion.hpp"
 #include "signals/output_program.hpp"
+#include "verification/reference_motion.hpp"
 
 namespace assur::check {
 namespace {

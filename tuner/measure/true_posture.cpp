@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "errors/reference_motion.hpp"
+#include "verification/reference_motion.hpp"
 
 namespace assur::measure {
 

@@ -9,10 +9,10 @@
 
 #include "assur/plan.hpp"
 #include "decompositions.hpp"
-#include "errors/quad.hpp"
 #include "scene/system.hpp"
 #include "structure/blocks.hpp"
 #include "structure/dense_block.hpp"
+#include "verification/quad.hpp"
 
 namespace assur {
 

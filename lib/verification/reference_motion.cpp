@@ -1,4 +1,4 @@
-#include "errors/reference_motion.hpp"
+#include "verification/reference_motion.hpp"
 
 #include <algorithm>
 #include <charconv>

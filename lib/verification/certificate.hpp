@@ -9,11 +9,11 @@
 #include <vector>
 
 #include "assur/simulator.hpp"
-#include "errors/quad.hpp"
 #include "group/ball.hpp"
 #include "group/newton_kantorovich.hpp"
 #include "scene/system.hpp"
 #include "structure/blocks.hpp"
+#include "verification/quad.hpp"
 
 namespace assur {
 

@@ -1,4 +1,4 @@
-#include "side_by_side/run_arguments.hpp"
+#include "simulation/run_arguments.hpp"
 
 #include <algorithm>
 #include <cmath>

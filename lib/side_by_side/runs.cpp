@@ -8,8 +8,8 @@
 #include "side_by_side/chunks.hpp"
 #include "side_by_side/memory.hpp"
 #include "side_by_side/row_takers.hpp"
-#include "side_by_side/run_arguments.hpp"
 #include "side_by_side/run_in_parts.hpp"
+#include "simulation/run_arguments.hpp"
 #include "simulation/simulator_impl.hpp"
 
 namespace assur {

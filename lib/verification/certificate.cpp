@@ -1,4 +1,4 @@
-#include "errors/certificate.hpp"
+#include "verification/certificate.hpp"
 
 #include <algorithm>
 #include <cmath>

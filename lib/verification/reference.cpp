@@ -17,10 +17,10 @@
 
 #include "assur/simulator.hpp"
 #include "errors/angle_output.hpp"
-#include "errors/reference_motion.hpp"
 #include "numbers.hpp"
 #include "scene/outputs.hpp"
 #include "signals/output_program.hpp"
+#include "verification/reference_motion.hpp"
 
 namespace assur {
 namespace {
