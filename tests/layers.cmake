@@ -1,21 +1,22 @@
 # Checks the order of lib/ and of tuner/: each folder includes only itself and folders to its left, so that none of lib/
-# includes db/. The sources of the core (CORE, relative to lib/) include, directly or indirectly, none of the libraries
-# that the core must not use. lib/CMakeLists.txt lists all sources.
+# includes db/. Each public header is a layer of its own, to the left of the folder or file that implements it. The
+# sources of the core (CORE, relative to lib/) include, directly or indirectly, none of the libraries that the core must
+# not use. lib/CMakeLists.txt lists all sources.
 cmake_minimum_required(VERSION 3.25)
 set(foreign "^#include [<\"](nlohmann|muParser|cs\\.h|btf\\.h|klu\\.h|umfpack|dmumps|suitesparse|SQLite|CLI|boost|tinyxml2|asmjit)")
 set(findings "")
 
-# check_order(ROOT folders...): appends to `findings`, and sets `files`. Files in ROOT itself include no folder, unless
-# they are named among the folders.
+# check_order(ROOT layers...): appends to `findings`, and sets `files`. Layers are folders, files of ROOT itself, and
+# public headers. Files in ROOT itself that are not named include no layer.
 macro(check_order root)
   set(layers ${ARGN})
-  file(GLOB_RECURSE files RELATIVE ${root} ${root}/*.cpp ${root}/*.hpp ${root}/*.in)
+  file(GLOB_RECURSE files RELATIVE ${root} ${root}/*.h ${root}/*.cpp ${root}/*.hpp ${root}/*.in)
   foreach(file IN LISTS files)
     string(REGEX REPLACE "/.*" "" folder ${file})
     list(FIND layers "${folder}" own)  # -1 for files in ROOT itself
-    file(STRINGS ${root}/${file} includes REGEX "^#include \"[a-z_]+/")
+    file(STRINGS ${root}/${file} includes REGEX "^#include [<\"]")
     foreach(include IN LISTS includes)
-      string(REGEX REPLACE "^#include \"([a-z_]+)/.*" "\\1" used "${include}")
+      string(REGEX REPLACE "^#include [<\"](assur/)?([^/>\"]+).*" "\\2" used "${include}")
       list(FIND layers "${used}" other)
       if(other GREATER own)
         list(APPEND findings "${root}/${file}: ${include} reaches from ${folder} to ${used}")
@@ -25,8 +26,19 @@ macro(check_order root)
 endmacro()
 
 check_order(${TUNER} measure output sweep pictures check tuning report commands enough_memory.cpp main.cpp)
-check_order(${LIB} parallel backends scene mjcf structure equations planning modes signals group program execute path
-            errors simulation side_by_side verification fleet c db)
+
+set(lib_layers version.hpp status.hpp status.cpp machine.hpp parallel backend.hpp strategy.hpp strategy.cpp backends
+  report.hpp report.cpp status_text.hpp status_text.cpp law.hpp scene.hpp scene mjcf.hpp mjcf structure.hpp structure
+  equations performance.hpp plan.hpp saved_plan.hpp planning modes.hpp modes rows.hpp signals group program execute step_limits.hpp path
+  errors jacobian.hpp simulator.hpp motion_range.hpp simulation ensemble.hpp side_by_side verification
+  curve.hpp fleet.hpp fleet print.hpp print.cpp eigen.hpp assur.hpp assur.h c db)
+check_order(${INCLUDE} ${lib_layers})
+foreach(file IN LISTS files)
+  if(NOT file IN_LIST lib_layers)
+    list(APPEND findings "${INCLUDE}/${file}: is not among the layers in tests/layers.cmake")
+  endif()
+endforeach()
+check_order(${LIB} ${lib_layers})
 
 file(READ ${LIB}/CMakeLists.txt listed)
 foreach(file IN LISTS files)
