@@ -6,6 +6,7 @@
 #include "equations/evaluator.hpp"
 #include "equations/lane_vector-inl.hpp"
 
+#include <limits>
 #include <stdexcept>
 
 #include "equations/callbacks.hpp"
@@ -179,16 +180,31 @@ class EvaluatorOf final : public Evaluator {
     set_input_derivatives(input_accelerations, acceleration_);
     for (std::size_t i = 0; i < p_.equations.size(); ++i) {
       const Program::Equation& e = p_.equations[i];
-      L total = L::set(0);
-      for (const Program::Product* q = at(p_.curvature, e.curvature.begin); q != at(p_.curvature, e.curvature.end);
-           ++q) {
-        total.subtract_product(k(q->coefficient), reg(rate_, q->a) * reg(rate_, q->b));
-      }
-      input_terms(e, acceleration_, total).store(rhs + i * W);
+      input_terms(e, acceleration_, curvature(e)).store(rhs + i * W);
     }
     if (callbacks_.empty()) return;
     callbacks_.rates(k_, value_, acceleration_, rhs);
     callbacks_.curvature(k_, value_, rate_, rhs);
+  }
+
+  void subtract_bend(const Change& a, const Change& b, double times, double* bent, double* out) override {
+    const L factor = to_unit_size(a) * to_unit_size(b) * L::set(times) / L::set(4);
+    for (const double side : {1.0, -1.0}) {
+      const auto move = [&](const double* from, const double* by, std::int32_t count, double* to) {
+        for (std::int32_t i = 0; i < count; ++i) (reg(from, i) + L::set(side) * reg(by, i)).store(to + i * W);
+      };
+      move(a.unknowns, b.unknowns, p_.n, rate_);
+      move(a.inputs, b.inputs, p_.inputs, rate_ + p_.n * W);
+      for (const Program::Form& f : p_.forms) {
+        sum(f.unknowns, f.end, rate_, sum(f.moving, f.unknowns, rate_, L::set(0))).store(rate_ + f.reg * W);
+      }
+      for (std::size_t i = 0; i < p_.equations.size(); ++i) curvature(p_.equations[i]).store(bent + i * W);
+      if (!callbacks_.empty()) callbacks_.curvature(k_, value_, rate_, bent);
+      for (std::size_t i = 0; i < p_.equations.size(); ++i) {
+        double* const of = out + i * W;
+        (L::load(of) + L::set(side) * L::load(bent + i * W) * factor).store(of);
+      }
+    }
   }
 
  private:
@@ -244,6 +260,32 @@ class EvaluatorOf final : public Evaluator {
     for (const Program::Form& f : p_.forms) {
       if (f.moving != f.unknowns) sum(f.moving, f.unknowns, out, L::set(0)).store(out + f.reg * W);
     }
+  }
+
+  // -Phi''[q', q'] with the rates at hand.
+  HWY_INLINE L curvature(const Program::Equation& e) const {
+    L total = L::set(0);
+    for (const Program::Product* q = at(p_.curvature, e.curvature.begin); q != at(p_.curvature, e.curvature.end); ++q) {
+      total.subtract_product(k(q->coefficient), reg(rate_, q->a) * reg(rate_, q->b));
+    }
+    return total;
+  }
+
+  // Divides the numbers of each lane by the largest of them, and returns the divisors. Ignores NaN.
+  L to_unit_size(const Change& change) const {
+    const auto each = [&](const auto& work) {
+      for (std::int32_t i = 0; i < p_.n; ++i) work(change.unknowns + i * W);
+      for (std::int32_t i = 0; i < p_.inputs; ++i) work(change.inputs + i * W);
+    };
+    L largest = L::set(0);
+    each([&](const double* x) {
+      const L size = abs(L::load(x));
+      largest = if_positive(size - largest, size, largest);
+    });
+    const L inverse = L::set(1) / largest, most = L::set(std::numeric_limits<double>::max());
+    const L factor = if_positive(largest, if_positive(most - inverse, inverse, most), L::set(0));
+    each([&](double* x) { (L::load(x) * factor).store(x); });
+    return largest;
   }
 
   // total - sum of dPhi/dh * derivative over all inputs h that move

@@ -35,6 +35,15 @@ class Evaluator {
 
   // -(Phi_h h'' + d/dt(Phi_q) q'), after velocity_rhs() with the same rates.
   virtual void acceleration_rhs(const double* unknown_rates, const double* input_accelerations, double* rhs) = 0;
+
+  // Changes of the unknowns and of the inputs.
+  struct Change {
+    double *unknowns, *inputs;
+  };
+  // out -= times * Phi''[a, b], at the posture of the last evaluate(), from the curvatures along a + b and a - b.
+  // Scales a and b to size 1 in every lane, because their squares may overflow. bent: one number for each equation,
+  // unspecified afterwards.
+  virtual void subtract_bend(const Change& a, const Change& b, double times, double* bent, double* out) = 0;
 };
 
 // lanes: 1, 2, 4, 8 or 16. `system` gives the callbacks; it and `program` must outlive the evaluator.

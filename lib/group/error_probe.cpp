@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <type_traits>
 
 #include "backends/residual.hpp"
@@ -20,27 +19,7 @@ namespace assur {
 namespace {
 
 constexpr double kHalfEps = kEps / 2;
-constexpr double kMost = std::numeric_limits<double>::max();
 constexpr std::size_t kVectorLanes = 8;
-
-// Divides the numbers of each of `count` lanes, from lane `from` on, by the largest number of the lane. Returns the
-// divisors.
-template <std::size_t count>
-std::array<double, count> to_unit_size(LaneArray& unknowns, LaneArray& inputs, std::size_t from, std::size_t lanes) {
-  std::array<double, count> largest{}, inverse{};
-  for (const LaneArray* values : {&unknowns, &inputs}) {
-    for (std::size_t i = from; i < values->size(); i += lanes) {
-      for (std::size_t l = 0; l < count; ++l) largest[l] = std::max(largest[l], std::abs((*values)[i + l]));
-    }
-  }
-  for (std::size_t l = 0; l < count; ++l) inverse[l] = largest[l] > 0 ? std::min(1 / largest[l], kMost) : 0;
-  for (LaneArray* values : {&unknowns, &inputs}) {
-    for (std::size_t i = from; i < values->size(); i += lanes) {
-      for (std::size_t l = 0; l < count; ++l) (*values)[i + l] *= inverse[l];
-    }
-  }
-  return largest;
-}
 
 }  // namespace
 
@@ -53,11 +32,8 @@ ErrorProbe::ErrorProbe(const System& system, Workspace& work, JacobianSolver& so
       size_(work.size()),
       evaluator_(side_by_side_ > 1 ? make_evaluator(system, work.program, static_cast<int>(kVectorLanes)) : nullptr) {
   for (LaneArray* v : {&residual_, &noise_, &tolerance_, &whole_}) v->resize(size_);
-  for (LaneArray* v : {&rhs_, &error_, &bent_, &moved_, &probe_, &direction_}) v->resize(size_ * side_by_side_);
-  narrow_.resize(work_.inputs.size());
-  for (LaneArray* v : {&input_errors_, &input_direction_, &moved_inputs_, &resting_inputs_}) {
-    v->resize(narrow_.size() * side_by_side_);
-  }
+  for (LaneArray* v : {&rhs_, &error_, &bent_, &probe_, &direction_}) v->resize(size_ * side_by_side_);
+  for (LaneArray* v : {&input_errors_, &input_direction_}) v->resize(work_.inputs.size() * side_by_side_);
   if (evaluator_ == nullptr) return;
   coefficients_.resize((idx(one_coefficient(work.program)) + 1) * lanes_ * side_by_side_);
   inputs_.resize(input_errors_.size());
@@ -205,29 +181,57 @@ void ErrorProbe::left_of(const double* y) {
   tolerance_ = noise_;
 }
 
+// Calls work(W), with small W as constants, so that loops over lanes unroll. Probes side by side fill kVectorLanes.
+template <class Work>
+void ErrorProbe::with_lanes(const Work& work) const {
+  switch (lanes_) {
+    case 1:
+      return work(std::integral_constant<std::size_t, 1>());
+    case 2:
+      return work(std::integral_constant<std::size_t, 2>());
+    case 4:
+      return work(std::integral_constant<std::size_t, 4>());
+    default:
+      return work(lanes_);
+  }
+}
+
 // Copies the same numbers to the lanes of each probe.
 void ErrorProbe::repeat(const double* from, LaneArray& to) const {
-  for (double* row = to.data(); row != to.data() + to.size(); from += lanes_) {
-    for (std::size_t k = 0; k < side_by_side_; ++k, row += lanes_) {
-      for (std::size_t l = 0; l < lanes_; ++l) row[l] = from[l];
-    }
+  if (side_by_side_ == 1) {
+    std::copy_n(from, to.size(), to.begin());
+    return;
   }
+  with_lanes([&](auto w) {
+    for (double* row = to.data(); row != to.data() + to.size(); from += w, row += kVectorLanes) {
+      for (std::size_t l = 0; l < kVectorLanes; ++l) row[l] = from[l % w];
+    }
+  });
 }
 
 // Gathers the d-th derivative of the probes side by side; the missing ones are zero. unknowns: may be null.
 void ErrorProbe::gather(const Pack& pack, Probes probes, std::size_t d, double* unknowns) {
-  const std::size_t wide = side_by_side_ * lanes_;
-  const auto put = [&](const double* from, std::size_t size, double* to) {
-    for (const double* const end = from + size; from != end; to += wide) {
-      for (std::size_t l = 0; l < lanes_; ++l) to[l] = *from++;
-    }
-  };
-  std::fill(input_errors_.begin(), input_errors_.end(), 0.0);
-  for (std::size_t k = 0; k < probes.size(); ++k) {
-    work_.gather(pack, probes[k].errors[d], narrow_);
-    if (!narrow_.empty()) put(narrow_.data(), narrow_.size(), input_errors_.data() + k * lanes_);
-    if (unknowns != nullptr) put(probes[k].errors[d] + pack.unknowns, size_, unknowns + k * lanes_);
+  if (side_by_side_ == 1) {
+    work_.gather(pack, probes[0].errors[d], input_errors_);
+    if (unknowns != nullptr) std::copy_n(probes[0].errors[d] + pack.unknowns, size_, unknowns);
+    return;
   }
+  std::fill(input_errors_.begin(), input_errors_.end(), 0.0);
+  with_lanes([&](auto w) {
+    for (std::size_t k = 0; k < probes.size(); ++k) {
+      const double* const errors = probes[k].errors[d];
+      double* to = input_errors_.data() + k * w;
+      for (std::size_t i = 0; i < pack.inputs.size(); i += w, to += kVectorLanes) {
+        for (std::size_t l = 0; l < w; ++l) to[l] = errors[pack.inputs[i + l]];
+      }
+      if (unknowns == nullptr) continue;
+      const double* const own = errors + pack.unknowns;
+      to = unknowns + k * w;
+      for (std::size_t i = 0; i < size_; i += w, to += kVectorLanes) {
+        for (std::size_t l = 0; l < w; ++l) to[l] = own[i + l];
+      }
+    }
+  });
 }
 
 // Computes the d-th derivative of every probe. left: residual of the equations.
@@ -245,13 +249,15 @@ bool ErrorProbe::error_of(Pack& pack, const LaneArray& left, Probes probes, int 
       RandomSign sign(seed + (pack.unknowns * 3 + d) * probes.size() + first + k);
       const bool rounds = some[k].cause == Probe::Cause::rounding;
       const double of_noise = rounds ? kSumRounding : 0;
-      const double* from = error_.data() + k * lanes_;
-      for (std::size_t i = 0; i < size_; from += side_by_side_ * lanes_) {
-        for (std::size_t l = 0; l < lanes_; ++l, ++i) {
-          const double of_tolerance = rounds ? unseen_[l] : kSumRounding;
-          *e++ = from[l] + (is_left ? left[i] : sign() * (of_noise * noise_[i] + of_tolerance * tolerance_[i]));
+      with_lanes([&](auto w) {
+        const double* from = error_.data() + k * w;
+        for (std::size_t i = 0; i < size_; from += side_by_side_ * w) {
+          for (std::size_t l = 0; l < w; ++l, ++i) {
+            const double of_tolerance = rounds ? unseen_[l] : kSumRounding;
+            *e++ = from[l] + (is_left ? left[i] : sign() * (of_noise * noise_[i] + of_tolerance * tolerance_[i]));
+          }
         }
-      }
+      });
     }
     const std::span<double> all(rhs_.data(), some.size() * size_);
     if (!solver_.at_hand()->solve(all, static_cast<int>(some.size())).ok()) return false;
@@ -265,37 +271,13 @@ bool ErrorProbe::error_of(Pack& pack, const LaneArray& left, Probes probes, int 
   return true;
 }
 
-// error_ -= times * Phi''[probe, direction], from the curvatures along the sum and the difference of both. Both are
-// scaled to size 1 in every lane, because their squares may overflow.
+// error_ -= times * Phi''[probe, direction].
 void ErrorProbe::add_bend(const Pack& pack, Probes probes, const Bend& bend) {
   gather(pack, probes, bend.probe, probe_.data());
   repeat(bend.direction, direction_);
   repeat(bend.inputs->data(), input_direction_);
-  const std::size_t wide = side_by_side_ * lanes_;
-  std::array<double, kMostLanes> factor{};
-  const auto scale = [&](auto count) {
-    for (std::size_t from = 0; from < wide; from += count) {
-      const auto of_direction = to_unit_size<count>(direction_, input_direction_, from, wide);
-      const auto of_probe = to_unit_size<count>(probe_, input_errors_, from, wide);
-      for (std::size_t l = 0; l < count; ++l) factor[from + l] = of_direction[l] * of_probe[l] * bend.times / 4;
-    }
-  };
-  if (wide < kVectorLanes) {
-    scale(std::integral_constant<std::size_t, 1>());
-  } else {
-    scale(std::integral_constant<std::size_t, kVectorLanes>());
-  }
-  for (const double side : {1.0, -1.0}) {
-    for (std::size_t i = 0; i < moved_.size(); ++i) moved_[i] = direction_[i] + side * probe_[i];
-    for (std::size_t i = 0; i < moved_inputs_.size(); ++i) {
-      moved_inputs_[i] = input_direction_[i] + side * input_errors_[i];
-    }
-    evaluator().velocity_rhs(moved_inputs_.data(), bent_.data());
-    evaluator().acceleration_rhs(moved_.data(), resting_inputs_.data(), bent_.data());
-    for (std::size_t i = 0; i < bent_.size(); i += wide) {
-      for (std::size_t l = 0; l < wide; ++l) error_[i + l] += side * bent_[i + l] * factor[l];
-    }
-  }
+  evaluator().subtract_bend({direction_.data(), input_direction_.data()}, {probe_.data(), input_errors_.data()},
+                            bend.times, bent_.data(), error_.data());
 }
 
 }  // namespace assur

@@ -72,6 +72,8 @@ class ErrorProbe {
   [[nodiscard]] const double* solution(const Pack& pack, const double* state, int derivative);
   void left_of(const double* y);
   void round_unknowns(const double* x);
+  template <class Work>
+  void with_lanes(const Work& work) const;
   void repeat(const double* from, LaneArray& to) const;
   void gather(const Pack& pack, Probes probes, std::size_t d, double* unknowns);
   [[nodiscard]] bool error_of(Pack& pack, const LaneArray& left, Probes probes, int derivative, std::uint64_t seed,
@@ -87,12 +89,10 @@ class ErrorProbe {
   const std::size_t lanes_, size_;              // W, n x W
   const std::unique_ptr<Evaluator> evaluator_;  // null: the workspace's evaluator, for one probe at a time
   Unseen unseen_{};
-  LaneArray residual_, noise_, tolerance_, whole_;                 // n x W
-  LaneArray narrow_;                                               // inputs x W
-  LaneArray rhs_;                                                  // probes x n x W
-  LaneArray error_, bent_, moved_, direction_, probe_, unknowns_;  // n x probes x W
-  LaneArray coefficients_, inputs_, input_errors_, input_direction_, moved_inputs_,
-      resting_inputs_;  // rows x probes x W
+  LaneArray residual_, noise_, tolerance_, whole_;                    // n x W
+  LaneArray rhs_;                                                     // probes x n x W
+  LaneArray error_, bent_, direction_, probe_, unknowns_;             // n x probes x W
+  LaneArray coefficients_, inputs_, input_errors_, input_direction_;  // rows x probes x W
 };
 
 }  // namespace assur
