@@ -32,6 +32,7 @@ Simulator::Simulator(Prepared prepared, StepLimits limits) {
   check_limits(limits);
   const double start = prepared.start_time.value_or(prepared.time.start);
   impl_ = std::make_unique<Impl>(std::make_shared<const Prepared>(std::move(prepared)), limits, start);
+  impl_->fresh = impl_->functions.empty();  // a function of the program may return something else the next time
 }
 Simulator::Simulator(Simulator&&) noexcept = default;
 Simulator& Simulator::operator=(Simulator&&) noexcept = default;
@@ -86,6 +87,7 @@ void Simulator::set(std::string_view driver, double value, double rate, double a
   set(this->driver(driver), value, rate, acceleration);
 }
 void Simulator::set(DriverHandle driver, double value, double rate, double acceleration) {
+  impl_->fresh = false;
   impl_->motion.inputs().set(driver.index_, driver.among_, {value, rate, acceleration});
 }
 DriverHandle Simulator::driver(std::string_view name) const {
@@ -141,6 +143,7 @@ void Simulator::save(SimulatorState& into) {
   if (!into.impl_) into.impl_ = std::make_unique<SimulatorState::Impl>();
   SimulatorState::Impl& state = *into.impl_;
   const bool has_memory = state.now.first && state.now.first->structure == impl_->first->structure;
+  impl_->fresh = false;
   impl_->motion.drop_factors();
   impl_->save(state.now, false);
   if (!has_memory) impl_->save(state.inside, false);
@@ -174,6 +177,7 @@ SimulatorState& SimulatorState::operator=(const SimulatorState& o) { return *thi
 double SimulatorState::time() const { return impl_ ? impl_->now.motion.time : kNan; }
 
 void Simulator::reset() {
+  if (std::exchange(impl_->fresh, false)) return;
   const double start = impl_->first->start_time.value_or(impl_->first->time.start);
   if (impl_->first != impl_->owned) {
     Impl::begin_anew(impl_, std::make_unique<Impl>(impl_->first, impl_->limits, start));
@@ -220,6 +224,7 @@ const std::string& Simulator::name_of(Place place) const {
 }
 
 const OutputJacobian& Simulator::jacobian() {
+  impl_->fresh = false;
   if (!impl_->slopes) {
     impl_->slopes = std::make_unique<OutputSlopes>(impl_->structure, impl_->motion, impl_->outputs);
   }

@@ -86,6 +86,7 @@ struct Simulator::Impl {
   }
 
   void clear() {
+    fresh = false;
     report = Report{};
     reselections = 0;
     earlier_effort = {};
@@ -123,6 +124,7 @@ struct Simulator::Impl {
   // ---- one step
 
   void begin_step() {
+    fresh = false;
     began = nullptr;
     undivided = true;
     motion.count_rejected_from(0);
@@ -261,6 +263,7 @@ struct Simulator::Impl {
   }
 
   std::vector<GroupFigures> examine() {
+    fresh = false;
     (void)measure(false);
     settle();
     (void)tell_verdict(motion.time());
@@ -297,6 +300,7 @@ struct Simulator::Impl {
 
   // The equations must be the same.
   void restore(const Snapshot& from) {
+    fresh = false;
     motion.restore(from.motion);
     estimate.restore(from.estimate, report.counters.branch_checks - from.branch_checks);
     verdict = from.verdict;
@@ -505,6 +509,8 @@ struct Simulator::Impl {
   std::vector<double> row;
   std::vector<double> divisors;  // of the measures
   bool in_one_piece = true;      // the posture was reached by a step that was not divided
+  // Nothing has happened since the constructor started here, and another start would do the same.
+  bool fresh = false;
   // Starts of the last steps that were divided or failed: at a posture with in_one_piece, and at one without.
   std::unique_ptr<Snapshot> inside, divided;
   const Snapshot* began = nullptr;       // the snapshot before the current step, if there is one

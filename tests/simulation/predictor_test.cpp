@@ -2,6 +2,9 @@
 // runs.
 #include <gtest/gtest.h>
 
+#include <functional>
+
+#include "backends/allocations.hpp"
 #include "path/predictor.hpp"
 #include "simulation/run.hpp"
 
@@ -216,6 +219,36 @@ TEST(Runs, RepeatBitwise) {
       EXPECT_EQ(s.report().counters.substeps, counters.substeps) << text;
       EXPECT_EQ(test::simulator(sample(text), "groups/" + solver).run().values(), first.values()) << text;
     }
+  }
+}
+
+// The constructor starts the motion, and a run does so again only if anything has happened since.
+TEST(Runs, ANewSimulatorStartsOnce) {
+  const Scene scene = sample("four_bar:loops=5,steps=20");
+  const auto prepared = prepare(scene, {"auto", {scene.drivers().front().name}});
+  const Trajectory expected = Simulator(prepared).run();
+  Simulator untouched(prepared);
+  const std::int64_t before = test::allocations();
+  untouched.reset();
+  EXPECT_EQ(test::allocations(), before);
+  untouched.reset();  // makes its solvers anew
+  EXPECT_GT(test::allocations(), before);
+  const std::function<void(Simulator&)> touches[] = {
+      [](Simulator& s) { (void)s.step(0.01); },
+      [](Simulator& s) { (void)s.step(); },
+      [](Simulator& s) { s.set(s.driver(s.drivers().front()), 1); },
+      [](Simulator& s) { (void)s.save(); },
+      [](Simulator& s) { s.restore(s.save()); },
+      [](Simulator& s) { s.retreat(); },
+      [](Simulator& s) { (void)s.jacobian(); },
+      [](Simulator& s) { (void)s.examine(); },
+      [](Simulator& s) { (void)s.run(); },
+  };
+  for (const auto& touch : touches) {
+    Simulator s(prepared);
+    touch(s);
+    EXPECT_EQ(s.run().values(), expected.values());
+    EXPECT_EQ(s.report().counters.steps, 20);
   }
 }
 
