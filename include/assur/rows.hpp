@@ -52,6 +52,21 @@ struct BodyColumns {
 // find_output().
 [[nodiscard]] BodyColumns find_body(const std::vector<std::string>& columns, std::string_view body);
 
+// Memory of stored rows. Large rows lie on large pages, if the system has them; the pages of small rows are mapped at
+// once. Mapping a small page at the first write to it takes 1 us, on a virtual machine 13 us, often longer than a step.
+struct RowAllocator {
+  using value_type = double;
+  template <class>
+  struct rebind {
+    using other = RowAllocator;
+  };
+  // Uninitialised numbers. Throws std::bad_alloc if there is no memory.
+  [[nodiscard]] double* allocate(std::size_t count);
+  void deallocate(double* numbers, std::size_t count) noexcept;
+  friend bool operator==(RowAllocator, RowAllocator) = default;
+};
+using RowValues = std::vector<double, RowAllocator>;
+
 // Which rows stream() gives, of a Simulator or an Ensemble.
 struct RowSelection {
   std::vector<std::string> columns = {};                        // empty: all

@@ -47,13 +47,13 @@ class Trajectory {
   // A copy of one output over all rows, by its name. Throws like index().
   [[nodiscard]] std::vector<double> column(std::string_view column) const;
   // All values: rows x columns.
-  [[nodiscard]] const std::vector<double>& values() const { return values_; }
+  [[nodiscard]] const RowValues& values() const { return values_; }
 
  private:
   friend class Simulator;
   std::vector<std::string> columns_;
   std::vector<double> times_;
-  std::vector<double> values_;
+  RowValues values_;
 };
 
 // Writes a CSV with the columns `t` and all outputs. Each number is the shortest text that reads back as the same

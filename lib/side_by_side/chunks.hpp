@@ -25,7 +25,7 @@ struct ChunkGrid {
 
 // The result of a run in chunks.
 struct ChunkedRun {
-  std::vector<double> values;  // rows x columns
+  RowValues values;  // rows x columns
   std::size_t rows = 0;
   Status status;
   std::vector<double> posture;  // at `reached`

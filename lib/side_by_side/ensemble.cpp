@@ -449,7 +449,7 @@ EnsembleTrajectory Ensemble::run(std::span<const double> times, const Simulator:
   out.columns_ = impl_->columns;
   out.times_.assign(times.begin(), times.end());
   check_memory(members() * times.size(), out.columns_.size());
-  out.values_.reset(new double[members() * times.size() * out.columns_.size()]);
+  out.values_ = shared_rows(members() * times.size() * out.columns_.size());
   impl_->run({out.times_, out.rows_, out.values_.get(), {}, out.columns_.size()}, observer);
   Impl::fill_missing_rows(out);
   return out;
@@ -468,7 +468,7 @@ EnsembleTrajectory Ensemble::run(const std::vector<std::string>& columns, std::s
   out.times_.assign(times.begin(), times.end());
   const std::size_t size = times.size() * columns.size();  // of a member
   check_memory(members() * times.size(), columns.size());
-  out.values_.reset(new double[members() * size]);
+  out.values_ = shared_rows(members() * size);
   std::vector<RowStore> stores;
   for (std::size_t i = 0; i < members(); ++i) stores.emplace_back(indices, out.values_.get() + i * size);
   impl_->run({out.times_, out.rows_, nullptr, [&](std::size_t i) -> RowTaker& { return stores[i]; }}, observer);

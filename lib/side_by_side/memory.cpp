@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <limits>
+#include <new>
 #include <string>
 
 #include "parallel/free_memory.hpp"
@@ -12,11 +14,18 @@
 namespace assur {
 namespace {
 
-constexpr std::size_t kLarge = 4'000'000;  // bytes: enough for one whole huge page at any alignment
+constexpr std::size_t kLargePage = 2'097'152;  // bytes; where pages have other sizes, advice has no effect
+
+// Bytes in large pages, at the begin of memory for rows. The last page is a large one if the rows then fill at least
+// two thirds of the memory: mapping it takes 0.1 ms, its small pages on a virtual machine up to 5 ms.
+std::size_t in_large_pages(std::size_t bytes) {
+  const std::size_t whole = bytes / kLargePage * kLargePage;
+  return whole < bytes && whole + kLargePage - bytes <= bytes / 2 ? whole + kLargePage : whole;
+}
 
 // The whole pages within [from, from + bytes).
 struct Pages {
-  Pages(const double* from, std::size_t bytes) {
+  Pages(const void* from, std::size_t bytes) {
     const auto page = static_cast<std::uintptr_t>(sysconf(_SC_PAGESIZE));
     const auto begin = reinterpret_cast<std::uintptr_t>(from);
     first = (begin + page - 1) / page * page;
@@ -30,6 +39,8 @@ struct Pages {
   std::size_t size;
 };
 
+std::size_t bytes(const RowValues& room) { return room.capacity() * sizeof(double); }
+
 }  // namespace
 
 void check_memory(std::size_t rows, std::size_t columns) {
@@ -39,15 +50,36 @@ void check_memory(std::size_t rows, std::size_t columns) {
 }
 
 // If the system lacks an advice, pages are small, or are placed one by one at the first write.
-PagesAhead::PagesAhead(const std::vector<double>& room)
-    : begin_(room.data()), capacity_(room.capacity()), piece_(capacity_) {
-  const Pages all(begin_, capacity_ * sizeof(double));
-  if (all.size < kLarge) return;
-  piece_ = kPiece;
+double* RowAllocator::allocate(std::size_t count) {
+  if (count > std::numeric_limits<std::ptrdiff_t>::max() / sizeof(double)) throw std::bad_array_new_length();
+  const std::size_t bytes = count * sizeof(double), large = in_large_pages(bytes), size = std::max(bytes, large);
+  char* const room =
+      static_cast<char*>(large > 0 ? ::operator new(size, std::align_val_t(kLargePage)) : ::operator new(size));
 #ifdef MADV_HUGEPAGE
-  all.advise(MADV_HUGEPAGE);
+  Pages(room, large).advise(MADV_HUGEPAGE);
 #endif
+#ifdef MADV_POPULATE_WRITE
+  Pages(room + large, size - large).advise(MADV_POPULATE_WRITE);
+#endif
+  return reinterpret_cast<double*>(room);
 }
+
+void RowAllocator::deallocate(double* numbers, std::size_t count) noexcept {
+  if (in_large_pages(count * sizeof(double)) > 0) {
+    ::operator delete(numbers, std::align_val_t(kLargePage));
+  } else {
+    ::operator delete(numbers);
+  }
+}
+
+std::shared_ptr<double[]> shared_rows(std::size_t numbers) {
+  return {RowAllocator().allocate(numbers), [numbers](double* rows) { RowAllocator().deallocate(rows, numbers); }};
+}
+
+PagesAhead::PagesAhead(const RowValues& room)
+    : begin_(room.data()),
+      capacity_(in_large_pages(bytes(room)) > 0 ? room.capacity() : 0),
+      piece_(bytes(room) > 2 * kLargePage ? kLargePage / sizeof(double) : capacity_) {}
 
 void PagesAhead::take() noexcept {
   const std::size_t piece = std::min(piece_, capacity_ - taken_);

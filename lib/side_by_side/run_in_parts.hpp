@@ -16,7 +16,7 @@ namespace assur {
 // The result of a run in parts.
 struct RunInParts {
   std::string refused;          // why the run must begin anew, step by step; "": it succeeded
-  std::vector<double> values;   // rows x columns
+  RowValues values;             // rows x columns
   std::vector<double> posture;  // of the whole mechanism, at the last time
   Totals totals;
 };

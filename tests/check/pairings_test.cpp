@@ -67,7 +67,7 @@ struct Run {
   std::string cannot;  // why the run cannot be started
   std::vector<std::string> columns;
   std::vector<double> times;  // all times that were reached
-  std::vector<double> values;
+  RowValues values;
   Status status;
   double reached = 0;
   double residual = 8 * kEps;

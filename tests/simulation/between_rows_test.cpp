@@ -24,7 +24,8 @@ struct End {
   double reached = 0;
   std::vector<Event> events;
   std::vector<std::string> columns;
-  std::vector<double> times, values;  // rows x columns
+  std::vector<double> times;
+  RowValues values;  // rows x columns
   std::int64_t substeps = 0;
 };
 

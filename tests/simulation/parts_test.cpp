@@ -133,7 +133,7 @@ TEST(Parts, ARunThatIsRefusedIsReported) {
 TEST(Parts, TheMotionIsBitwiseEqualForEveryNumberOfThreads) {
   const Scene scene = sample("stewart:platforms=512");
   const std::vector<double> times = first_times(scene, 3);
-  std::vector<double> expected;
+  RowValues expected;
   for (const std::string threads : {"1x1", "2x1", "3x1"}) {
     const Prepared prepared = prepare(scene, {.strategy = "groups/lanes:8 " + threads, .budget = ThreadBudget{3}});
     Simulator simulator(prepared);

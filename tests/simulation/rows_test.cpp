@@ -81,7 +81,8 @@ TEST(Rows, StreamGivesTheRowsOfARun) {
   Simulator simulator = test::simulator(scene);
   const Trajectory motion = simulator.run();
   const std::int64_t iterations = simulator.report().counters.newton_iterations;
-  std::vector<double> times, values;
+  std::vector<double> times;
+  RowValues values;
   std::size_t largest = 0;
   const std::size_t reached = simulator.stream({}, [&](const MemberRows& rows) {
     EXPECT_EQ(rows.member, 0U);

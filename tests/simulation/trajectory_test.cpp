@@ -37,22 +37,30 @@ TEST(Trajectory, HasNoColumnTwice) {
             (std::vector<std::string>{"C.vx", "C.vy", "B.x", "B.y", "C.x", "C.y", "C.ax", "C.ay"}));
 }
 
+#ifdef MADV_POPULATE_WRITE
+// False on a kernel without the advice (Linux 5.14), or if an emulator accepts and ignores it.
+bool maps_pages_ahead() {
+  void* const probe = mmap(nullptr, 4096, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (probe == MAP_FAILED) return false;
+  unsigned char resident = 0;
+  const bool known = madvise(probe, 4096, MADV_POPULATE_WRITE) == 0 && mincore(probe, 4096, &resident) == 0;
+  munmap(probe, 4096);
+  return known && resident != 0;
+}
+
+long faults() {
+  rusage usage{};
+  getrusage(RUSAGE_THREAD, &usage);
+  return usage.ru_minflt;
+}
+#endif
+
 // Memory is touched before rows are written, so that no page fault occurs between rows.
 TEST(Trajectory, TouchesItsMemoryBeforeTheRun) {
 #ifndef MADV_POPULATE_WRITE
   GTEST_SKIP() << "no such advice here";
 #else
-  void* const probe = mmap(nullptr, 4096, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-  ASSERT_NE(probe, MAP_FAILED);
-  unsigned char resident = 0;  // an emulator may accept the advice and ignore it
-  const bool known = madvise(probe, 4096, MADV_POPULATE_WRITE) == 0 && mincore(probe, 4096, &resident) == 0;
-  munmap(probe, 4096);
-  if (!known || resident == 0) GTEST_SKIP() << "this kernel does not know MADV_POPULATE_WRITE (Linux 5.14)";
-  const auto faults = [] {
-    rusage usage{};
-    getrusage(RUSAGE_THREAD, &usage);
-    return usage.ru_minflt;
-  };
+  if (!maps_pages_ahead()) GTEST_SKIP() << "this kernel does not know MADV_POPULATE_WRITE";
   Simulator simulator = test::simulator(sample("stewart"));
   std::vector<long> at(2000);
   const Trajectory motion = simulator.run([&](std::int64_t done, std::int64_t) {
@@ -68,6 +76,27 @@ TEST(Trajectory, TouchesItsMemoryBeforeTheRun) {
   constexpr long kMost = 100;
 #endif
   EXPECT_LT(at[1001] - at[1], kMost);
+#endif
+}
+
+TEST(Trajectory, LargeRowsBeginALargePageAndSmallRowsAreMappedAtOnce) {
+  constexpr std::size_t kLargePage = 2'097'152, kNumbers = kLargePage / sizeof(double);
+  for (const std::size_t numbers : {2 * kNumbers / 3 + 1, kNumbers, 3 * kNumbers / 2, 7 * kNumbers / 3}) {
+    RowValues large;
+    large.reserve(numbers);
+    EXPECT_EQ(reinterpret_cast<std::uintptr_t>(large.data()) % kLargePage, 0u) << numbers;
+    large.assign(numbers, 1);
+    EXPECT_EQ(large.back(), 1);
+  }
+#ifdef MADV_POPULATE_WRITE
+  if (!maps_pages_ahead()) GTEST_SKIP() << "this kernel does not know MADV_POPULATE_WRITE";
+  std::vector<RowValues> all(20);  // fresh memory, too
+  for (RowValues& small : all) small.reserve(kNumbers / 2);
+  const long before = faults();
+  for (RowValues& small : all) small.assign(kNumbers / 2, 1);
+  // The first and the last page of each are shared with other memory; there are 5120 if each page is mapped at the
+  // first write to it.
+  EXPECT_LE(faults() - before, 40);
 #endif
 }
 

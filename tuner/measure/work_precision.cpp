@@ -27,7 +27,7 @@ struct Entrant {
 };
 
 // FNV-1a hash of the bits.
-std::uint64_t number_of(const std::vector<double>& values) {
+std::uint64_t number_of(std::span<const double> values) {
   std::uint64_t hash = 0xcbf29ce484222325;
   for (const double v : values) {
     std::uint64_t bits = 0;
