@@ -15,7 +15,8 @@ class Executor {
  public:
   virtual ~Executor() = default;
 
-  // memory[m]: the slots of Memory m, each with a number for every lane. Rounds to nearest, with subnormal numbers.
+  // memory[m]: the slots of Memory m, each with a number for every lane. Bits are equal only if the
+  // processor rounds to nearest and keeps subnormal numbers.
   virtual void run(const std::array<double*, kMemories>& memory) = 0;
 };
 

@@ -57,6 +57,7 @@ class Writer {
     if (node == nullptr) return false;
     label = node->label();
     node->frame().setAvxEnabled();
+    node->frame().setAvxCleanup();  // what follows may be SSE
     if (width_ == 8) node->frame().setAvx512Enabled();
     memory_ = cc_.newIntPtr();
     node->setArg(0, memory_);

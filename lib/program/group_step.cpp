@@ -36,11 +36,11 @@ class Equations {
 
   [[nodiscard]] Value load(Memory memory, std::uint32_t index) const { return g_.load({memory, index}); }
   [[nodiscard]] Value work(std::uint32_t index) const { return load(Memory::work, index); }
-  [[nodiscard]] Value figure(std::uint32_t index) const { return load(Memory::figures, index); }
-  [[nodiscard]] Value setting(std::uint32_t index) const { return load(Memory::settings, index); }
+  [[nodiscard]] Value figure(GroupFigure f) const { return g_.load(slot_of(f)); }
+  [[nodiscard]] Value setting(GroupSetting s) const { return g_.load(slot_of(s)); }
   [[nodiscard]] Value number(double x) const { return g_.constant(x); }
   void keep(std::uint32_t index, Value v) const { g_.store({Memory::work, index}, v); }
-  void tell(std::uint32_t index, Value v) const { g_.store({Memory::figures, index}, v); }
+  void tell(GroupFigure f, Value v) const { g_.store(slot_of(f), v); }
 
   // Parts of the forms from constants and inputs, with the magnitudes of their terms.
   void read_inputs() {
@@ -363,9 +363,9 @@ Phase begin(const Program& p, const Layout& at) {
   keep_column(in, at.residual(0), phi);
   keep_column(in, at.weight(0), weight);
   in.keep(at.relative(), largest_of(in, relative) + poison_of(in, relative));
-  in.keep(at.active(), is_open(in, relative, in.setting(kConvergedAt)));
-  in.tell(kFailed, in.number(0));
-  in.tell(kIterations, in.number(0));
+  in.keep(at.active(), is_open(in, relative, in.setting(GroupSetting::converged_at)));
+  in.tell(GroupFigure::failed, in.number(0));
+  in.tell(GroupFigure::iterations, in.number(0));
   return graph.phase();
 }
 
@@ -374,7 +374,8 @@ Phase iterate(const Program& p, const Layout& at, bool may_vanish) {
   Graph graph;
   Equations in(graph, p);
   const Value zero = in.number(0), one = in.number(1);
-  const Value active = in.work(at.active()), count = in.figure(kIterations), before = in.work(at.relative());
+  const Value active = in.work(at.active()), count = in.figure(GroupFigure::iterations),
+              before = in.work(at.relative());
   const auto if_active = [&](Value yes, Value no) { return if_at_most(active, zero, no, yes); };
   in.recall_inputs();
   const Column x = load_column(in, at.unknown(0), at.n), phi = load_column(in, at.residual(0), at.n),
@@ -391,30 +392,30 @@ Phase iterate(const Program& p, const Layout& at, bool may_vanish) {
   const Value relative = largest_of(in, ratios) + poison_of(in, ratios), iterations = count + one;
   const Value used = part_of_ball(in, by);
   Value failed = factors.poor();
-  const Value is_near = if_at_most(used, in.setting(kLargestFirst), failed, one);
+  const Value is_near = if_at_most(used, in.setting(GroupSetting::largest_first), failed, one);
   failed = if_at_most(count, zero, is_near, failed);
   failed = failed + (relative - relative);
   failed = if_at_most(failed, zero, zero, one);
-  Value open = is_open(in, ratios, in.setting(kConvergedAt));
+  Value open = is_open(in, ratios, in.setting(GroupSetting::converged_at));
   const Value falls = relative - before * in.number(0.25);  // above 0: slowly
   const Value only_rounding = if_at_most(falls, zero, zero, if_at_most(relative, in.number(kRoundingLevel), one, zero));
   if (may_vanish) {
     const Value slow = if_at_most(falls, zero, failed, if_at_most(iterations, one, failed, one));
     failed = if_at_most(open, zero, failed, slow);
   }
-  const Value too_many = if_at_most(in.setting(kMostIterations), iterations, one, failed);
+  const Value too_many = if_at_most(in.setting(GroupSetting::most_iterations), iterations, one, failed);
   const Value open_still = if_at_most(only_rounding, zero, open, zero);
   failed = if_at_most(open_still, zero, failed, too_many);
   open = if_at_most(failed, zero, open_still, zero);
 
-  for (std::size_t j = 0; j < x.size(); ++j)
-    in.keep(at.unknown(static_cast<std::uint32_t>(j)), if_active(next[j], x[j]));
-  for (std::size_t i = 0; i < phi.size(); ++i)
-    in.keep(at.residual(static_cast<std::uint32_t>(i)), if_active(left[i], phi[i]));
+  for (std::uint32_t i = 0; i < at.n; ++i) {
+    in.keep(at.unknown(i), if_active(next[i], x[i]));
+    in.keep(at.residual(i), if_active(left[i], phi[i]));
+  }
   in.keep(at.relative(), if_active(relative, before));
   in.keep(at.active(), if_active(open, zero));
-  in.tell(kFailed, if_active(failed, in.figure(kFailed)));
-  in.tell(kIterations, if_active(iterations, count));
+  in.tell(GroupFigure::failed, if_active(failed, in.figure(GroupFigure::failed)));
+  in.tell(GroupFigure::iterations, if_active(iterations, count));
   Phase phase = graph.phase();
   phase.repeat_while = Slot{Memory::work, at.active()};
   return phase;
@@ -426,8 +427,8 @@ Phase finish(const Program& p, const Layout& at, int derivatives, std::span<cons
   in.recall_inputs();
   const Column x = load_column(in, at.unknown(0), at.n);
   in.set_unknowns(x);
-  Value failed = in.figure(kFailed);
-  in.tell(kPosition, in.work(at.relative()));
+  Value failed = in.figure(GroupFigure::failed);
+  in.tell(GroupFigure::position, in.work(at.relative()));
   if (derivatives > 0) {
     const Matrix jacobian = in.jacobian();
     const Factors factors(in, jacobian);
@@ -437,21 +438,21 @@ Phase finish(const Program& p, const Layout& at, int derivatives, std::span<cons
     const Column rhs = in.velocity_rhs(), rates = factors.solve(in, rhs);
     const Value velocity = linear_residual(in, jacobian, rates, rhs);
     store(Memory::rates, rates);
-    in.tell(kVelocity, velocity);
+    in.tell(GroupFigure::velocity, velocity);
     failed = failed + factors.poor() + (velocity - velocity);
     if (derivatives > 1) {
       const Column of = in.acceleration_rhs(rates), accelerations = factors.solve(in, of);
       const Value acceleration = linear_residual(in, jacobian, accelerations, of);
       store(Memory::accelerations, accelerations);
-      in.tell(kAcceleration, acceleration);
+      in.tell(GroupFigure::acceleration, acceleration);
       failed = failed + (acceleration - acceleration);
     }
   }
   Column moved;
   for (std::uint32_t c = 0; c < reads.size(); ++c)
     moved.push_back(in.coordinate(reads[c]) - in.load(Memory::anchor, c));
-  in.tell(kBallUsed, part_of_ball(in, moved));
-  in.tell(kFailed, if_at_most(failed, in.number(0), in.number(0), in.number(1)));
+  in.tell(GroupFigure::ball_used, part_of_ball(in, moved));
+  in.tell(GroupFigure::failed, if_at_most(failed, in.number(0), in.number(0), in.number(1)));
   return graph.phase();
 }
 

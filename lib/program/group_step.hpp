@@ -1,6 +1,7 @@
 // The step of a group with a few unknowns as a program: Newton's method, velocity, acceleration and the branch test.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
@@ -10,24 +11,27 @@
 
 namespace assur {
 
-// Settings of the step.
-enum GroupSetting : std::uint32_t {
-  kConvergedAt,  // relative residual at which the equations count as solved
-  kMostIterations,
-  kLargestFirst,  // omega |first correction|
-  kGroupSettings,
+// Bounds in Memory::settings.
+enum class GroupSetting : std::uint32_t {
+  converged_at,     // relative residual at which the equations count as solved
+  most_iterations,  // of Newton's method
+  largest_first,    // omega |first correction|
 };
+inline constexpr std::size_t kGroupSettings = 3;
 
-// What each lane tells.
-enum GroupFigure : std::uint32_t {
-  kFailed,  // 0: solved; else positive, and the general path must solve the step again
-  kIterations,
-  kPosition,  // relative residuals
-  kVelocity,
-  kAcceleration,
-  kBallUsed,  // omega |coordinates - anchor|
-  kGroupFigures,
+// What each lane tells in Memory::figures.
+enum class GroupFigure : std::uint32_t {
+  failed,        // 0: solved; else positive, and the general path must solve the step again
+  iterations,    // of Newton's method
+  position,      // largest relative residuals
+  velocity,      // of the linear system
+  acceleration,  // of the linear system
+  ball_used,     // omega |coordinates - anchor|
 };
+inline constexpr std::size_t kGroupFigures = 6;
+
+[[nodiscard]] constexpr Slot slot_of(GroupSetting s) { return {Memory::settings, static_cast<std::uint32_t>(s)}; }
+[[nodiscard]] constexpr Slot slot_of(GroupFigure f) { return {Memory::figures, static_cast<std::uint32_t>(f)}; }
 
 // Numbers in Memory::work and Memory::pivots.
 [[nodiscard]] std::uint32_t work_of_group_step(const Program& equations);

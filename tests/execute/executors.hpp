@@ -39,8 +39,8 @@ class StepMemory {
     }
   }
 
-  double& operator()(Memory memory, std::size_t index, std::size_t lane) {
-    return at[static_cast<std::size_t>(memory)][index * lanes_ + lane];
+  double& operator()(Slot slot, std::size_t lane) {
+    return at[static_cast<std::size_t>(slot.memory)][slot.index * lanes_ + lane];
   }
 
   std::array<double*, kMemories> at;

@@ -88,12 +88,12 @@ TEST(Executors, AgreeWithTheDefinitionOfEachOperation) {
         const auto lanes = static_cast<std::size_t>(e.lanes);
         const auto in_lane = [&](std::size_t l) { return cases[(first + 7 * l) % cases.size()]; };
         for (std::size_t l = 0; l < lanes; ++l) {
-          for (std::size_t s = 0; s < 4; ++s) memory(Memory::work, s, l) = in_lane(l)[s];
+          for (std::uint32_t s = 0; s < 4; ++s) memory({Memory::work, s}, l) = in_lane(l)[s];
         }
         e.executor->run(memory.at);
         for (std::size_t l = 0; l < lanes; ++l) {
           const auto [a, b, c, d] = in_lane(l);
-          ASSERT_EQ(bits_of(memory(Memory::work, 4, l)), bits_of(apply(static_cast<Op>(op), a, b, c, d)))
+          ASSERT_EQ(bits_of(memory({Memory::work, 4}, l)), bits_of(apply(static_cast<Op>(op), a, b, c, d)))
               << e.name << ", operation " << op << " of " << a << ", " << b << ", " << c;
         }
       }
@@ -148,12 +148,12 @@ TEST(Executors, GiveTheBitsOfTheDefinition) {
       for (std::size_t first = 0; first < kCases; first += lanes) {
         test::StepMemory memory(kOnlyWork, e.lanes);
         for (std::size_t l = 0; l < lanes; ++l) {
-          for (std::size_t s = 0; s < kSlots; ++s) memory(Memory::work, s, l) = given[first + l][s];
+          for (std::uint32_t s = 0; s < kSlots; ++s) memory({Memory::work, s}, l) = given[first + l][s];
         }
         e.executor->run(memory.at);
         for (std::size_t l = 0; l < lanes; ++l) {
-          for (std::size_t s = 0; s < kSlots; ++s) {
-            ASSERT_EQ(bits_of(memory(Memory::work, s, l)), bits_of(expected[first + l][s])) << "slot " << s;
+          for (std::uint32_t s = 0; s < kSlots; ++s) {
+            ASSERT_EQ(bits_of(memory({Memory::work, s}, l)), bits_of(expected[first + l][s])) << "slot " << s;
           }
         }
       }
@@ -179,16 +179,16 @@ TEST(Executors, RepeatAPhaseForEachLane) {
     for (std::size_t first = 0; first < 16; first += static_cast<std::size_t>(e.lanes)) {
       test::StepMemory memory(kOnlyWork, e.lanes);
       for (std::size_t l = 0; l < static_cast<std::size_t>(e.lanes); ++l) {
-        memory(Memory::work, 0, l) = 1;
-        memory(Memory::work, 1, l) = std::pow(10, static_cast<double>(first + l));
-        memory(Memory::work, 2, l) = first + l == 5 ? 0 : 1;
+        memory({Memory::work, 0}, l) = 1;
+        memory({Memory::work, 1}, l) = std::pow(10, static_cast<double>(first + l));
+        memory({Memory::work, 2}, l) = first + l == 5 ? 0 : 1;
       }
       e.executor->run(memory.at);
       for (std::size_t l = 0; l < static_cast<std::size_t>(e.lanes); ++l) {
         const std::size_t i = first + l;
-        EXPECT_DOUBLE_EQ(memory(Memory::work, 0, l), i == 5 ? 1 : std::sqrt(memory(Memory::work, 1, l)));
-        if (alone.size() == i) alone.push_back(memory(Memory::work, 3, l));
-        EXPECT_EQ(memory(Memory::work, 3, l), alone[i]);
+        EXPECT_DOUBLE_EQ(memory({Memory::work, 0}, l), i == 5 ? 1 : std::sqrt(memory({Memory::work, 1}, l)));
+        if (alone.size() == i) alone.push_back(memory({Memory::work, 3}, l));
+        EXPECT_EQ(memory({Memory::work, 3}, l), alone[i]);
       }
     }
   }

@@ -67,7 +67,7 @@ struct Setting {
     for (std::size_t l = 0; l < idx(lanes); ++l) {
       const Case& c = cases[first + l];
       const auto put = [&](Memory memory, const std::vector<double>& numbers) {
-        for (std::size_t k = 0; k < numbers.size(); ++k) m(memory, k, l) = numbers[k];
+        for (std::size_t k = 0; k < numbers.size(); ++k) m({memory, static_cast<std::uint32_t>(k)}, l) = numbers[k];
       };
       put(Memory::coefficients, c.coefficients);
       put(Memory::inputs, c.inputs);
@@ -76,16 +76,16 @@ struct Setting {
       put(Memory::unknowns, c.unknowns);
       for (std::size_t k = 0; k < reads.size(); ++k) {
         const auto reg = idx(reads[k]);
-        m(Memory::anchor, k, l) = reg < n ? c.unknowns[reg] : c.inputs[reg - n];
+        m({Memory::anchor, static_cast<std::uint32_t>(k)}, l) = reg < n ? c.unknowns[reg] : c.inputs[reg - n];
       }
       // Both orders of each pair of rows occur.
       for (std::size_t k = 0; k < pivots_of_group_step(equations); ++k) {
-        m(Memory::pivots, k, l) = (first + l + k) % 2 == 0 ? 1 : -1;
+        m({Memory::pivots, static_cast<std::uint32_t>(k)}, l) = (first + l + k) % 2 == 0 ? 1 : -1;
       }
-      m(Memory::omega, 0, l) = c.omega;
-      m(Memory::settings, kConvergedAt, l) = kConverged;
-      m(Memory::settings, kMostIterations, l) = 10;
-      m(Memory::settings, kLargestFirst, l) = largest_first_correction(0);
+      m({Memory::omega, 0}, l) = c.omega;
+      m(slot_of(GroupSetting::converged_at), l) = kConverged;
+      m(slot_of(GroupSetting::most_iterations), l) = 10;
+      m(slot_of(GroupSetting::largest_first), l) = largest_first_correction(0);
     }
     return m;
   }
@@ -106,10 +106,11 @@ std::vector<std::uint64_t> bits_of(test::StepMemory& m, const Setting& at, std::
   std::vector<std::uint64_t> all;
   for (std::size_t j = 0; j < idx(at.group_class.n); ++j) {
     for (const Memory memory : {Memory::work, Memory::rates, Memory::accelerations}) {
-      all.push_back(bits(m(memory, j, lane)));
+      all.push_back(bits(m({memory, static_cast<std::uint32_t>(j)}, lane)));
     }
   }
-  for (std::size_t f = 0; f < kGroupFigures; ++f) all.push_back(bits(m(Memory::figures, f, lane)));
+  for (std::size_t f = 0; f < kGroupFigures; ++f)
+    all.push_back(bits(m({Memory::figures, static_cast<std::uint32_t>(f)}, lane)));
   return all;
 }
 
@@ -137,7 +138,7 @@ void expect_solved(test::StepMemory& m, const Setting& at) {
   const double condition = 1 / std::max(lu.rcond(), kEps);
   const auto expect_near = [&](Memory memory, const Eigen::VectorXd& expected) {
     for (Eigen::Index i = 0; i < n; ++i) {
-      EXPECT_NEAR(m(memory, static_cast<std::size_t>(i), 0), expected[i],
+      EXPECT_NEAR(m({memory, static_cast<std::uint32_t>(i)}, 0), expected[i],
                   1e-14 * condition * (1 + expected.lpNorm<Eigen::Infinity>()));
     }
   };
@@ -174,7 +175,7 @@ TEST(GroupStep, HasTheSameBitsForEveryExecutorAndNumberOfLanes) {
             const auto left = bits_of(m, at, l);
             if (expected.size() == first + l) {
               expected.push_back(left);
-              const bool is_solved = m(Memory::figures, kFailed, l) == 0;
+              const bool is_solved = m(slot_of(GroupFigure::failed), l) == 0;
               solved += is_solved ? 1 : 0;
               if (is_solved && first + l == 0) expect_solved(m, at);
             }
