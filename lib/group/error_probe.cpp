@@ -220,13 +220,12 @@ void ErrorProbe::gather(const Pack& pack, Probes probes, std::size_t d, double* 
   with_lanes([&](auto w) {
     for (std::size_t k = 0; k < probes.size(); ++k) {
       const double* const errors = probes[k].errors[d];
-      double* to = input_errors_.data() + k * w;
-      for (std::size_t i = 0; i < pack.inputs.size(); i += w, to += kVectorLanes) {
-        for (std::size_t l = 0; l < w; ++l) to[l] = errors[pack.inputs[i + l]];
+      for (std::size_t i = 0, at = k * w; i < pack.inputs.size(); i += w, at += kVectorLanes) {
+        for (std::size_t l = 0; l < w; ++l) input_errors_[at + l] = errors[pack.inputs[i + l]];
       }
       if (unknowns == nullptr) continue;
       const double* const own = errors + pack.unknowns;
-      to = unknowns + k * w;
+      double* to = unknowns + k * w;
       for (std::size_t i = 0; i < size_; i += w, to += kVectorLanes) {
         for (std::size_t l = 0; l < w; ++l) to[l] = own[i + l];
       }
