@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <cstring>
 #include <limits>
 #include <new>
 #include <string>
@@ -53,8 +54,19 @@ void check_memory(std::size_t rows, std::size_t columns) {
 double* RowAllocator::allocate(std::size_t count) {
   if (count > std::numeric_limits<std::ptrdiff_t>::max() / sizeof(double)) throw std::bad_array_new_length();
   const std::size_t bytes = count * sizeof(double), large = in_large_pages(bytes), size = std::max(bytes, large);
-  char* const room =
-      static_cast<char*>(large > 0 ? ::operator new(size, std::align_val_t(kLargePage)) : ::operator new(size));
+  if (large == 0) {
+    void* const room = ::operator new(size);
+#ifdef MADV_POPULATE_WRITE
+    Pages(room, size).advise(MADV_POPULATE_WRITE);
+#endif
+    return static_cast<double*>(room);
+  }
+  // Not by an aligned new: glibc would map such memory anew for each run, where it uses the memory of the last one
+  // again.
+  auto* const block = static_cast<char*>(::operator new(size + kLargePage + sizeof(void*)));
+  const auto begin = reinterpret_cast<std::uintptr_t>(block) + sizeof(void*);
+  char* const room = block + (kLargePage - begin % kLargePage) + sizeof(void*);
+  std::memcpy(room - sizeof(void*), &block, sizeof(void*));
 #ifdef MADV_HUGEPAGE
   Pages(room, large).advise(MADV_HUGEPAGE);
 #endif
@@ -65,11 +77,11 @@ double* RowAllocator::allocate(std::size_t count) {
 }
 
 void RowAllocator::deallocate(double* numbers, std::size_t count) noexcept {
+  void* block = numbers;
   if (in_large_pages(count * sizeof(double)) > 0) {
-    ::operator delete(numbers, std::align_val_t(kLargePage));
-  } else {
-    ::operator delete(numbers);
+    std::memcpy(&block, reinterpret_cast<const char*>(numbers) - sizeof(void*), sizeof(void*));
   }
+  ::operator delete(block);
 }
 
 std::shared_ptr<double[]> shared_rows(std::size_t numbers) {
