@@ -15,8 +15,8 @@ class Executor {
  public:
   virtual ~Executor() = default;
 
-  // memory[m]: the slots of Memory m, each with a number for every lane. Bits are equal only if the
-  // processor rounds to nearest and keeps subnormal numbers.
+  // memory[m]: the slots of Memory m, each with a number for every lane. The processor must round to nearest and keep
+  // subnormal numbers.
   virtual void run(const std::array<double*, kMemories>& memory) = 0;
 };
 
@@ -24,7 +24,7 @@ class Executor {
 // program. lanes: 1, 2, 4, 8 or 16
 [[nodiscard]] std::unique_ptr<Executor> make_interpreter(const StepProgram& program, int lanes);
 
-// Vectors of machine code.
+// Vectors of machine code. Fewer than 8 lanes need no more than AVX2.
 enum class VectorCode : std::uint8_t { avx2, avx512 };
 
 // Makes memory executable, and read-only: true if the system allows it.
@@ -32,7 +32,7 @@ using ProtectCode = bool (*)(void* at, std::size_t size);
 [[nodiscard]] bool protect_code(void* at, std::size_t size);
 
 // Machine code, for x86-64 with FMA. Null where AsmJit is absent, the processor lacks these vectors, it does not know
-// an operation of the program, or the system refuses memory for code.
+// an operation of the program, or the system refuses memory for code. lanes: as above
 [[nodiscard]] std::unique_ptr<Executor> make_machine_code(const StepProgram& program, int lanes, VectorCode vectors,
                                                           ProtectCode protect = protect_code);
 

@@ -7,7 +7,9 @@
 
 #include "execute/executor.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -111,7 +113,9 @@ class Interpreter final : public Executor {
 
   // c + a b, rounded once.
   static HWY_INLINE V fused(V a, V b, V c) {
-#if HWY_TARGET == HWY_SCALAR || HWY_TARGET == HWY_EMU128
+#if HWY_NATIVE_FMA
+    return hn::MulAdd(a, b, c);
+#else
     const D d;
     HWY_ALIGN double x[hn::MaxLanes(D())], y[hn::MaxLanes(D())], z[hn::MaxLanes(D())];
     hn::Store(a, d, x);
@@ -119,8 +123,6 @@ class Interpreter final : public Executor {
     hn::Store(c, d, z);
     for (std::size_t i = 0; i < hn::MaxLanes(D()); ++i) z[i] = std::fma(x[i], y[i], z[i]);
     return hn::Load(d, z);
-#else
-    return hn::MulAdd(a, b, c);
 #endif
   }
 
@@ -176,7 +178,8 @@ class Interpreter final : public Executor {
           each([&](std::size_t l) HWY_ATTR { return hn::CopySign(v(a, l), v(b, l)); });
           break;
         case Op::round:
-          each([&](std::size_t l) HWY_ATTR { return hn::Round(v(a, l)); });
+          // Without vectors, Highway rounds -0.25 to 0.
+          each([&](std::size_t l) HWY_ATTR { return hn::CopySign(hn::Round(v(a, l)), v(a, l)); });
           break;
         case Op::larger:
           each([&](std::size_t l) HWY_ATTR { return hn::IfThenElse(hn::Gt(v(a, l), v(b, l)), v(a, l), v(b, l)); });

@@ -109,22 +109,22 @@ class Writer {
       cc_.vbroadcastsd(to, from);
     }
   }
-  // to = a <= b ? yes : no. comparison: of vcmppd
-  void choose(const x86::Vec& to, int comparison, const x86::Vec& a, const x86::Vec& b, const x86::Vec& yes,
-              const x86::Vec& no) {
+  // to = a <= b ? yes : no
+  void choose(const x86::Vec& to, const x86::Vec& a, const x86::Vec& b, const x86::Vec& yes, const x86::Vec& no) {
+    const asmjit::Imm less_or_equal(0x12);  // false for NaN, quiet
     if (width_ == 8) {
       const x86::KReg mask = cc_.newKq();
-      cc_.vcmppd(mask, a, b, asmjit::imm(comparison));
+      cc_.vcmppd(mask, a, b, less_or_equal);
       cc_.k(mask).vblendmpd(to, no, yes);
     } else {
       const x86::Vec mask = vector();
-      cc_.vcmppd(mask, a, b, asmjit::imm(comparison));
+      cc_.vcmppd(mask, a, b, less_or_equal);
       cc_.vblendvpd(to, no, yes, mask);
     }
   }
 
   bool write(const Phase& phase, const Instruction& n) {
-    constexpr int kLessOrEqual = 0x12, kNearest = 0x08;  // quiet: no exceptions
+    constexpr int kNearest = 0x08;  // quiet
     const x86::Vec to = vector();
     const auto of = [&](std::size_t k) -> const x86::Vec& { return values_[n.operand[k]]; };
     switch (n.op) {
@@ -189,7 +189,7 @@ class Writer {
         cc_.vmaxpd(to, of(0), of(1));
         break;
       case Op::select:
-        choose(to, kLessOrEqual, of(0), of(1), of(2), of(3));
+        choose(to, of(0), of(1), of(2), of(3));
         break;
       default:
         return false;

@@ -1,8 +1,14 @@
 // All executors of this machine for one program.
 #pragma once
 
+#include <hwy/targets.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "execute/executor.hpp"
@@ -15,14 +21,22 @@ struct NamedExecutor {
   std::unique_ptr<Executor> executor;
 };
 
+// Interpreters for every instruction set of the processor, also those without fused products.
 inline std::vector<NamedExecutor> executors_of(const StepProgram& program) {
   std::vector<NamedExecutor> all;
   for (const int lanes : {1, 2, 4, 8, 16}) {
-    all.push_back({"interpreter, W = " + std::to_string(lanes), lanes, make_interpreter(program, lanes)});
-    for (const VectorCode vectors : {VectorCode::avx2, VectorCode::avx512}) {
-      auto code = make_machine_code(program, lanes, vectors);
-      const std::string name = vectors == VectorCode::avx2 ? "AVX2, W = " : "AVX-512, W = ";
-      if (code) all.push_back({name + std::to_string(lanes), lanes, std::move(code)});
+    const std::string width = ", W = " + std::to_string(lanes);
+    for (std::int64_t left = hwy::SupportedTargets(); left != 0; left &= left - 1) {
+      hwy::SetSupportedTargetsForTest(left & -left);
+      all.push_back({hwy::TargetName(left & -left) + width, lanes, make_interpreter(program, lanes)});
+      hwy::SetSupportedTargetsForTest(0);
+    }
+    if (auto code = make_machine_code(program, lanes, VectorCode::avx2)) {
+      all.push_back({"AVX2 code" + width, lanes, std::move(code)});
+    }
+    if (lanes < 8) continue;
+    if (auto code = make_machine_code(program, lanes, VectorCode::avx512)) {
+      all.push_back({"AVX-512 code" + width, lanes, std::move(code)});
     }
   }
   return all;

@@ -61,8 +61,8 @@ std::uint64_t bits_of(double x) { return std::isnan(x) ? ~std::uint64_t{0} : std
 
 constexpr std::size_t kOperations = static_cast<std::size_t>(Op::select) - static_cast<std::size_t>(Op::add) + 1;
 constexpr double kInf = std::numeric_limits<double>::infinity();
-constexpr std::array kSpecial = {0.0,  -0.0,  1.0,  -1.0,     0.5,       -2.5,    3.5,
-                                 kInf, -kInf, kNan, 4.9e-324, -2.2e-308, 1.7e308, 4503599627370497.5};
+constexpr std::array kSpecial = {
+    0.0, -0.0, 1.0, -1.0, 0.5, -2.5, 3.5, kInf, -kInf, kNan, 4.9e-324, -2.2e-308, 1.7e308, 4503599627370497.5, -0.25};
 
 double any_number(test::Draw& draw) {
   if (draw.below(3) == 0) return kSpecial[draw.below(kSpecial.size())];
