@@ -16,6 +16,7 @@
 #include "scene/own_values.hpp"
 #include "scene/residual_scale.hpp"
 #include "scene/scene_source.hpp"
+#include "side_by_side/walk_in_lanes.hpp"
 #include "structure/assembly.hpp"
 #include "structure/directions.hpp"
 #include "structure/frame_axes.hpp"
@@ -89,38 +90,27 @@ class ValueTable::Binder : public MemberBinder {
       for (std::size_t k = 0; k < table_.varying_.size(); ++k) to[k] = row[table_.varying_[k]];
     }
     replay_.run(std::span(pointers_).first(members.size()));
+    std::vector<std::size_t> walkers;
     for (std::size_t l = 0; l < members.size(); ++l) {
       variants[l] = nullptr;
       if (!replay_.holds(l) || !table_.has_constants(members[l])) continue;
       lanes_[l].set(replay_, l, *this);
-      if (starts_as_written(lanes_[l]) || assemble(l)) variants[l] = &lanes_[l].variant;
+      variants[l] = &lanes_[l].variant;
+      if (!starts_as_written(lanes_[l])) walkers.push_back(l);
+    }
+    for (const std::size_t l : walk_together(walkers)) {
+      if (!assemble(l)) variants[l] = nullptr;
     }
   }
 
   bool assemble(std::size_t i) override {
     if (!assembly_) return false;
     const std::vector<WalkedPart>& parts = table_.assembly_->parts;
-    const System& s = assembly_->system;
-    assembly_->target.set(replay_, i, table_.recipe_->wanted().size());
-    const double time = table_.first_->time.start;
-    std::vector<double> at_laws = s.guess;
-    if (!drive(s, time, at_laws.data(), nullptr, nullptr).ok()) return false;
-    std::vector<double> q = at_laws;
-    const Way way = way_to_laws(s, at_laws, time);
-    const bool moves = is_moving(s, way);
-    if (moves) drive_by_values(s, way.from, q);
-    if (!close(s, parts, q) || (moves && walk(s, parts, way, q).end != Walked::End::arrived)) return false;
-    for (const WalkedPart& p : parts) {
-      for (const Index u : p.unknowns) at_laws[idx(u)] = q[idx(u)];
-    }
-    q = std::move(at_laws);
-    // prepare() may find another posture if drivers have not the values of their laws.
-    const auto is_wrong = [&](const DriverInput& in) { return mismatch(s, in, q).has_value(); };
-    if (!undefined_driver(s, q).empty() || std::any_of(s.inputs.begin(), s.inputs.end(), is_wrong)) return false;
-    std::vector<double>& posture = lanes_[i].variant.posture;
-    for (const Index c : near_) posture[idx(c)] = q[idx(c)];
-    for (const Index c : table_.structure_->static_coordinates) posture[idx(c)] = q[idx(c)];
-    return true;
+    const System& s = numbers_of(i);
+    Walker w;
+    if (!place_as_written(s, i, w) || !close(s, parts, w.q)) return false;
+    if (w.moves && walk(s, parts, w.way, w.q).end != Walked::End::arrived) return false;
+    return arrive(s, w);
   }
 
   [[nodiscard]] bool is_start(const Variant& guess, std::span<const double> posture) const override {
@@ -191,6 +181,99 @@ class ValueTable::Binder : public MemberBinder {
     Recipe::Target target;
   };
 
+  // A member on its way to the start.
+  struct Walker {
+    std::size_t lane = 0;
+    Way way;
+    bool moves = false;           // the drivers do
+    std::vector<double> at_laws;  // the guess, with the drivers at their laws
+    std::vector<double> q;
+  };
+
+  const System& numbers_of(std::size_t lane) {
+    assembly_->target.set(replay_, lane, table_.recipe_->wanted().size());
+    return assembly_->system;
+  }
+
+  // Puts the drivers where they are in the posture as written. False if a law has no value at the start.
+  [[nodiscard]] bool place_as_written(const System& s, std::size_t lane, Walker& w) const {
+    const double time = table_.first_->time.start;
+    w.lane = lane;
+    w.at_laws = s.guess;
+    if (!drive(s, time, w.at_laws.data(), nullptr, nullptr).ok()) return false;
+    w.way = way_to_laws(s, w.at_laws, time);
+    w.moves = is_moving(s, w.way);
+    w.q = w.at_laws;
+    if (w.moves) drive_by_values(s, w.way.from, w.q);
+    return true;
+  }
+
+  // Gives the lane the posture at the end of its way. False if that is not the start that prepare() would find, because
+  // drivers have not the values of their laws.
+  [[nodiscard]] bool arrive(const System& s, Walker& w) {
+    for (const WalkedPart& p : table_.assembly_->parts) {
+      for (const Index u : p.unknowns) w.at_laws[idx(u)] = w.q[idx(u)];
+    }
+    const std::vector<double>& q = w.at_laws;
+    const auto is_wrong = [&](const DriverInput& in) { return mismatch(s, in, q).has_value(); };
+    if (!undefined_driver(s, q).empty() || std::any_of(s.inputs.begin(), s.inputs.end(), is_wrong)) return false;
+    std::vector<double>& posture = lanes_[w.lane].variant.posture;
+    for (const Index c : near_) posture[idx(c)] = q[idx(c)];
+    for (const Index c : table_.structure_->static_coordinates) posture[idx(c)] = q[idx(c)];
+    return true;
+  }
+
+  // Assembles those members side by side that can be; returns the others.
+  std::vector<std::size_t> walk_together(const std::vector<std::size_t>& lanes) {
+    if (!assembly_ || lanes.size() < 2) return lanes;
+    const std::vector<WalkedPart>& parts = table_.assembly_->parts;
+    if (!in_lanes_) in_lanes_.emplace(assembly_->system, parts, static_cast<int>(lanes_.size()));
+    std::vector<std::size_t> others;
+    std::vector<Walker> open, closed;
+    in_lanes_->clear();
+    for (const std::size_t l : lanes) {
+      const System& s = numbers_of(l);
+      Walker w;
+      if (!place_as_written(s, l, w)) {
+        others.push_back(l);
+        continue;
+      }
+      const Way closing = closing_way(s, parts, w.q);
+      if (!closing.open.empty()) in_lanes_->add(s, closing, w.q);
+      (closing.open.empty() ? closed : open).push_back(std::move(w));
+    }
+    const auto walk_all = [&](std::vector<Walker>& walkers, const auto& then) {
+      in_lanes_->run();
+      std::size_t k = 0;
+      for (Walker& w : walkers) {
+        if (in_lanes_->arrived(k)) {
+          const std::vector<double>& at = in_lanes_->posture(k);
+          std::copy_n(at.begin(), w.q.size(), w.q.begin());
+          then(w);
+        } else {
+          others.push_back(w.lane);
+        }
+        ++k;
+      }
+    };
+    walk_all(open, [&](Walker& w) { closed.push_back(std::move(w)); });
+    std::vector<Walker> moving;
+    in_lanes_->clear();
+    const auto end = [&](Walker& w) {
+      if (!arrive(numbers_of(w.lane), w)) others.push_back(w.lane);
+    };
+    for (Walker& w : closed) {
+      if (w.moves) {
+        in_lanes_->add(numbers_of(w.lane), w.way, w.q);
+        moving.push_back(std::move(w));
+      } else {
+        end(w);
+      }
+    }
+    walk_all(moving, end);
+    return others;
+  }
+
   static std::vector<Tape::Node> wanted_of(const ValueTable& table) {
     std::vector<Tape::Node> wanted = table.recipe_->wanted();
     if (!table.assembly_) return wanted;
@@ -244,6 +327,7 @@ class ValueTable::Binder : public MemberBinder {
   std::vector<Index> from_guess_;    // coordinates that begin at their guess
   std::vector<Index> static_equations_;
   std::optional<OneMember> assembly_;
+  std::optional<WalkInLanes> in_lanes_;
   std::vector<Lane> lanes_;
   std::vector<double> parameters_;       // lanes x varying columns
   std::vector<const double*> pointers_;  // lanes

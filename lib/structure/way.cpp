@@ -20,8 +20,8 @@ constexpr double kHalfTurn = 1e-12;  // rad: a turn by -pi is one by pi
 // would be long next to a singular posture, and might meet it.
 constexpr double kAlmostClosed = 1e-2;
 
-bool close_nearby(const System& s, const std::vector<WalkedPart>& parts, std::vector<Index>& column,
-                  std::vector<double>& q) {
+bool close_nearby(const System& s, const std::vector<WalkedPart>& parts, std::vector<double>& q) {
+  std::vector<Index> column(s.coordinates.size(), -1);
   std::vector<double> closed = q;
   for (const WalkedPart& p : parts) {
     const bool holds = p.equations.size() == p.unknowns.size()
@@ -71,7 +71,7 @@ bool is_moving(const System& s, const Way& way) {
   return moves;
 }
 
-bool close(const System& s, const std::vector<WalkedPart>& parts, std::vector<double>& q) {
+Way closing_way(const System& s, const std::vector<WalkedPart>& parts, const std::vector<double>& q) {
   Way way;
   std::vector<Index> column(s.coordinates.size(), -1);
   for (const WalkedPart& p : parts) {
@@ -81,11 +81,16 @@ bool close(const System& s, const std::vector<WalkedPart>& parts, std::vector<do
     const Eigen::VectorXd phi = block.residuals(q);
     for (Eigen::Index i = 0; i < phi.size(); ++i) way.open[idx(p.equations[static_cast<std::size_t>(i)])] = phi[i];
   }
-  if (way.open.empty() || close_nearby(s, parts, column, q)) return true;
   for (const DriverInput& in : s.inputs) {
     way.from.push_back(wanted_values(s, in, q));
     way.change.emplace_back(way.from.back().size(), 0.0);
   }
+  return way;
+}
+
+bool close(const System& s, const std::vector<WalkedPart>& parts, std::vector<double>& q) {
+  const Way way = closing_way(s, parts, q);
+  if (way.open.empty() || close_nearby(s, parts, q)) return true;
   std::vector<double> closed = q;
   if (walk(s, parts, way, closed).end != Walked::End::arrived) return false;
   q = std::move(closed);

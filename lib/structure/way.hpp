@@ -16,8 +16,10 @@ namespace assur {
 // True if a driver moves on this way. False if a law has no finite value.
 [[nodiscard]] bool is_moving(const System& system, const Way& way);
 
-// Closes the equations that are open at q, with the drivers held: the residuals shrink in proportion. False, with q
-// unchanged, if a singular posture is on the way.
+// The way that closes q with the drivers held: the residuals shrink in proportion. Nothing is open: q is closed.
+[[nodiscard]] Way closing_way(const System& system, const std::vector<WalkedPart>& parts, const std::vector<double>& q);
+
+// Closes q, by this way if it is far from being closed. False, with q unchanged, if a singular posture is on the way.
 [[nodiscard]] bool close(const System& system, const std::vector<WalkedPart>& parts, std::vector<double>& q);
 
 }  // namespace assur
