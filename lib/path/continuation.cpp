@@ -55,19 +55,12 @@ Continuation::Continuation(const Prepared& prepared, const StepLimits& limits, R
       layout_(lay_out(prepared)),
       packs_(layout_.packs),
       levels_(prepared, layout_, limits.pin_to),
+      mechanism_(structure_, layout_),
       angles_together_(angles_together(system_, structure_)) {
   if (prepared.plan.run.together && !packs_.empty())
     together_ = std::make_unique<Together>(prepared, layout_, levels_.team());
   state_.resize(layout_.first_unknown, layout_.size, prepared.plan.run.predictor);
-  if (!structure_.watch_class.equations.empty()) {
-    watch_.emplace(system_, structure_, layout_.address);
-    if (prepared.reselect) independence_.emplace(system_, structure_, layout_.address);
-    if (independence_ && independence_->empty()) independence_.reset();
-  }
-  if (!system_.bounds.empty()) {
-    limit_watch_.emplace(system_, layout_.address);
-    follow(limit_watch_->turns());
-  }
+  mechanism_.bind(system_, prepared.reselect != nullptr);
   for (const auto& solver : layout_.solvers) solver->reserve(diagnosis_);
   here_.reads.reserve(diagnosis_.most_read);
   approach_.reserve(diagnosis_.most_read);
@@ -82,18 +75,12 @@ void Continuation::keep_what_is_read(std::vector<std::uint8_t> marked) {
   for (const Pack& pack : packs_) {
     for (const std::int32_t a : pack.inputs) marked[idx(a)] = 1;
   }
-  if (limit_watch_) limit_watch_->mark(marked);
-  for (const std::int32_t c : structure_.watch.inputs) marked[idx(layout_.address[idx(c)])] = 1;
+  mechanism_.mark(marked);
   marked.resize(system_.coordinates.size());  // known coordinates lie at their own index
   inputs_.keep(std::move(marked));
   bows_.resize(layout_, inputs_.bends() ? inputs_.laws() : 0, 1);
   for (LaneArray& v : known_) v.assign(inputs_.bends() ? layout_.size : 0, 0.0);
-  levers_ = inputs_.levers();
-  known_levers_ = levers_.size();
-  for (const Positive& p : system_.positive) {
-    const std::int32_t address = layout_.address[idx(p.coordinate)];
-    if (address >= 0 && idx(address) >= layout_.first_unknown) levers_.push_back({address, p.driver});
-  }
+  mechanism_.check_inputs(inputs_.evaluated());
 }
 
 void Continuation::start(double time, const std::vector<double>& posture, const Continuation* before) {
@@ -106,9 +93,7 @@ void Continuation::start(double time, const std::vector<double>& posture, const 
   }
   inputs_.reset();
   if (before != nullptr) inputs_.take(before->inputs_.controls());
-  watched_level_ = 0;
-  poor_ = kPoorSet;
-  measured_at_ = kNeverMeasured;
+  mechanism_.clear();
   restart_solvers();
   converged_ = kConverged;
   any_turn_ = true;
@@ -139,11 +124,10 @@ void Continuation::start(double time, const std::vector<double>& posture, const 
                                               : "; the Jacobian is singular there, start elsewhere on the path"));
   }
   if (together_) together_->reserve(state_.at(0));
-  for (AngleTurns* const turns : turns_) turns->start(state_.at(0));
+  mechanism_.begin({state_.at(0), state_.at(1), state_.at(2)});
   turn_guessed_ = false;
   accept(now_, errors);
   begin_limits(before);
-  for (Lever& l : levers_) l.start = state_.at(0)[l.address];
 }
 
 void Continuation::restart_solvers() {
@@ -172,15 +156,8 @@ void Continuation::save(Snapshot& into, bool in_step) const {
   into.time = now_;
   into.selected_at = selected_at_;
   into.turn_guessed = in_step ? at_begin_.turn_guessed : turn_guessed_;
-  into.watched_level = in_step ? at_begin_.watched_level : watched_level_;
-  into.poor = poor_;
-  into.largest_coefficient = largest_coefficient_;
-  into.since_measured = measured_at_ < 0 ? kNeverMeasured : report_.counters.branch_checks - measured_at_;
-  into.levers = levers_;
+  mechanism_.save(into.mechanism, in_step, report_.counters.branch_checks);
   into.angles = inputs_.accepted_angles();
-  into.turns.resize(turns_.size());
-  for (std::size_t i = 0; i < turns_.size(); ++i) turns_[i]->save(into.turns[i]);
-  if (limit_watch_) limit_watch_->save(into.limits);
   bows_.save(into.bows, report_.counters.branch_checks);
   into.limit_at = limit_at_;
   into.pack_limits.clear();
@@ -206,14 +183,8 @@ void Continuation::restore(const Snapshot& from) {
   report_.reached = now_ = from.time;
   selected_at_ = from.selected_at;
   turn_guessed_ = from.turn_guessed;
-  watched_level_ = from.watched_level;
-  poor_ = from.poor;
-  largest_coefficient_ = from.largest_coefficient;
-  measured_at_ = from.since_measured < 0 ? kNeverMeasured : report_.counters.branch_checks - from.since_measured;
-  levers_ = from.levers;
+  mechanism_.restore(from.mechanism, now_, report_.counters.branch_checks);
   inputs_.accept(from.angles);
-  for (std::size_t i = 0; i < turns_.size(); ++i) turns_[i]->restore(from.turns[i]);
-  if (limit_watch_) limit_watch_->restore(from.limits, now_);
   bows_.restore(from.bows, report_.counters.branch_checks);
   drop_limit();
   if (!from.pack_limits.empty()) layout_.limits = from.pack_limits;
@@ -271,20 +242,21 @@ Status Continuation::solve_all(double t, Attempt::Branch branch, StepErrors& err
   if (!any_turn_) turned_ = bent(t);
   if (turned_ > 1) return {Code::branch_unknown, {}, turned_};
   const double seconds = branch == Attempt::Branch::inside ? t - now_ : 0;
-  if (const Status s = check_levers(0, known_levers_, seconds); !s.ok()) return s;
+  if (const Status s = check_levers(Mechanism::Levers::known, seconds); !s.ok()) return s;
   const double converged = branch == Attempt::Branch::inside ? converged_ : kConverged;
   if (const Status s = solve_packs(t, branch, converged, errors); !s.ok()) return s;
-  if (const Status s = check_levers(known_levers_, levers_.size(), seconds); !s.ok()) return s;
-  if (watch_) {
-    if (const Status s = check_watched(t, branch, converged, errors); !s.ok()) return s;
+  if (const Status s = check_levers(Mechanism::Levers::unknown, seconds); !s.ok()) return s;
+  if (mechanism_.watches()) {
+    const bool may_correct = limits_.iterations == 0 && branch != Attempt::Branch::anywhere;
+    std::size_t one = 0;
+    const Status s = check_watched(
+        {&mechanism_, 1}, state_.at(0), converged, may_correct, [&] { return solve_packs(t, branch, 0, errors); },
+        report_.counters, errors, one);
+    if (!s.ok()) return s;
   }
   // The angles of drivers are within the limit of a step here; measured angles may have turned farther.
   if (branch != Attempt::Branch::inside) return {};
-  AngleTurns::Way way = AngleTurns::Way::known;
-  for (AngleTurns* const turns : turns_) {
-    const AngleTurns::Way of_these = turns->follow(state_.at(0), t - now_, any_turn_ ? 0 : bows_.times());
-    if (way != AngleTurns::Way::unknown && of_these != AngleTurns::Way::known) way = of_these;
-  }
+  const AngleTurns::Way way = mechanism_.follow_angles(state_.at(0), t - now_, any_turn_ ? 0 : bows_.times());
   return way == AngleTurns::Way::known ? Status{} : turned_unseen(way);
 }
 
@@ -315,10 +287,7 @@ void Continuation::measure_bows() {
   };
   bows_.measure(q[0], report_.counters.branch_checks, known, [&](const auto& work) { levels_.each(work); });
   drop_factors();
-  for (AngleTurns* const turns : turns_) turns->measure(q[0], bows_.probes(), known_[0]);
-  std::fill(known_[0].begin(), known_[0].end(), 0.0);
-  if (limit_watch_) limit_watch_->measure(q, bows_.probes(), known_[0].data());
-  for (Lever& l : levers_) l.bow = bows_.sizes()[idx(l.address)];
+  mechanism_.measure(q, bows_, known_[0]);
 }
 
 // A step must be divided if a lever may vanish in it, or a limit may be passed, so that its ends do not show it.
@@ -397,44 +366,21 @@ void Continuation::forget_guards() {
   if (together_) together_->forget();
 }
 
-// The residual of the watched equations may exceed that of the solved ones. Whether they hold cannot be decided below
-// the residual of the solved equations, so one more correction brings both to the rounding level.
-Status Continuation::check_watched(double t, Attempt::Branch branch, double left, StepErrors& errors) {
-  const auto residual = [&] {
-    report_.counters.evaluated_equations += static_cast<std::int64_t>(watch_->equations());
-    return watch_->residual(state_.at(0));
-  };
-  double r = residual();
-  const bool may_correct = limits_.iterations == 0 && branch != Attempt::Branch::anywhere;
-  if (may_correct && r > std::max(left, 2 * watched_level_)) {
-    if (const Status s = solve_packs(t, branch, 0, errors); !s.ok()) return s;
-    r = residual();
-    watched_level_ = r > left ? r : 0;
-  }
-  if (!(r <= std::max(kConsistent, left))) return {Code::inconsistent, {}, r};
-  errors.position = std::max(errors.position, r);
-  return {};
-}
-
-// Beyond zero, a driver's equations would hold half a turn away from its law.
-Status Continuation::check_levers(std::size_t begin, std::size_t end, double seconds) {
-  if (begin == end) return {};
-  const double* const from[3] = {state_.accepted(0), state_.accepted(1), state_.accepted(2)};
-  const double* const to[3] = {state_.at(0), state_.at(1), state_.at(2)};
-  const std::span<const Lever> levers = std::span(levers_).subspan(begin, end - begin);
-  if (!any_turn_ && seconds != 0 && may_vanish(levers, from[0], to[0], bows_.times()) != nullptr) return hidden();
-  const Lever* const l = vanished(levers, from, to, seconds);
-  if (l == nullptr) return {};
-  return {Code::actuator_zero, Place::driver(l->driver), std::min(to[0][l->address], 0.0)};
+Status Continuation::check_levers(Mechanism::Levers which, double seconds) {
+  const Status s =
+      mechanism_.check_levers(which, {state_.accepted(0), state_.accepted(1), state_.accepted(2)},
+                              {state_.at(0), state_.at(1), state_.at(2)}, seconds, any_turn_ ? 0 : bows_.times());
+  return s.code == Code::branch_unknown ? hidden() : s;
 }
 
 // Records the driver or redundant equation that stopped the motion.
 void Continuation::tell(const Status& stopped, double target) {
   Noticed event{now_, target, stopped.where, stopped.code, stopped.figure};
   if (stopped.code == Code::inconsistent) {
-    event.watched = static_cast<std::int32_t>(watch_->worst());
-    const Watched& of = structure_.watched[watch_->worst()];
-    event.figure = watch_->violation(state_.at(0)) * system_.unit(of.is_length ? 1 : 0);
+    Watch& watch = mechanism_.watch();
+    event.watched = static_cast<std::int32_t>(watch.worst());
+    const Watched& of = structure_.watched[watch.worst()];
+    event.figure = watch.violation(state_.at(0)) * system_.unit(of.is_length ? 1 : 0);
   } else if (stopped.code != Code::actuator_zero) {
     return;
   }
@@ -445,8 +391,7 @@ void Continuation::accept(double t, const StepErrors& errors) {
   if (t != limit_at_ && !std::isnan(limit_at_)) drop_limit();
   state_.accept(t);
   inputs_.accept();
-  for (AngleTurns* const turns : turns_) turns->accept(t - now_);
-  if (limit_watch_ && !passes_) limit_watch_->accept();
+  mechanism_.accept(t - now_, passes_);
   now_ = t;
   report_.reached = t;
   last_errors_ = errors;
@@ -468,7 +413,8 @@ Status Continuation::step_to(double t, bool may_reselect, Stride& stride) {
   if (!std::isfinite(t) || !inputs_.controls().empty()) {
     if (const Status s = check_aim(t); !s.ok()) return s;
   }
-  at_begin_ = {converged_, watched_level_, turn_guessed_};
+  at_begin_ = {converged_, turn_guessed_};
+  mechanism_.begin_step();
   bows_.begin_step();
   Status status;
   try {
@@ -517,7 +463,7 @@ Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
       ++report_.counters.substeps;
       if (may_choose_anew(may_reselect, first) && set_is_poor()) {
         wants_reselection_ = true;
-        return {Code::singular, {}, largest_coefficient_};
+        return {Code::singular, {}, mechanism_.largest_coefficient(state_.at(0), report_.counters.branch_checks)};
       }
       continue;
     }
@@ -536,7 +482,8 @@ Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
       return {Code::branch_unknown, s.where, s.figure};
     }
     // Close to a singularity of the solved equations, the watched equations fail first.
-    if (s.code == Code::inconsistent && may_choose_anew(may_reselect, first) && another_set_may_help()) {
+    if (s.code == Code::inconsistent && may_choose_anew(may_reselect, first) &&
+        mechanism_.another_set_may_help(state_.accepted(0))) {
       wants_reselection_ = true;
       return s;
     }
@@ -551,7 +498,7 @@ Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
       stride.set(std::abs(target - now_) / 2);
       continue;
     }
-    if (!vanished && may_choose_anew(may_reselect, first) && another_set_may_help()) {
+    if (!vanished && may_choose_anew(may_reselect, first) && mechanism_.another_set_may_help(state_.accepted(0))) {
       wants_reselection_ = true;
       return s;
     }
@@ -603,7 +550,7 @@ bool Continuation::polish(double converged) {
     return false;
   }
   state_.replace();
-  for (AngleTurns* const turns : turns_) turns->accept(0);
+  mechanism_.accept(0, true);
   last_errors_ = errors;
   return true;
 }
@@ -625,26 +572,6 @@ Status Continuation::check_aim(double t) {
 // No set is chosen again close to the last choice: near a fold no set helps, and sets would alternate.
 bool Continuation::may_choose_anew(bool asked, double first) const {
   return asked && prepared_.reselect && !(std::abs(now_ - selected_at_) <= kPassed * first);
-}
-
-// At a fold of all equations the chosen ones are as good as any others, and choosing takes memory and time.
-bool Continuation::another_set_may_help() {
-  return !independence_ || !(independence_->largest_coefficient(state_.accepted(0)) <= poor_);
-}
-
-// Within the ball of an anchor the inverse of the Jacobian grows at most by the factor 1 / (1 - kBall), and with it the
-// coefficients, unless a row vanishes. So each anchor is checked.
-bool Continuation::set_is_poor() {
-  if (independence_ && measured_at_ != report_.counters.branch_checks) {
-    measured_at_ = report_.counters.branch_checks;
-    largest_coefficient_ = independence_->largest_coefficient(state_.at(0));
-  }
-  return !(largest_coefficient_ <= poor_);
-}
-
-void Continuation::keep_set() {
-  poor_ = std::max(poor_, 2 * largest_coefficient_);
-  selected_at_ = now_;
 }
 
 void Continuation::predict(double target) {
@@ -676,7 +603,7 @@ Status Continuation::try_step(double target, Attempt::Branch branch) {
     errors = {};
     s = solve_at(target, branch, errors);
   }
-  if (s.ok() && limit_watch_) s = check_limits(target, errors);
+  if (s.ok() && mechanism_.limits() != nullptr) s = check_limits(target, errors);
   if (s.ok()) {
     accept(target, errors);
   } else if (turned_ <= 1 && s.code != Code::stop_reached) {

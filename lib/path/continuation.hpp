@@ -20,14 +20,11 @@
 #include "path/approach.hpp"
 #include "path/bows.hpp"
 #include "path/event_log.hpp"
-#include "path/independence.hpp"
 #include "path/layout.hpp"
 #include "path/levels.hpp"
-#include "path/limit_watch.hpp"
+#include "path/mechanism.hpp"
 #include "path/state.hpp"
 #include "path/together.hpp"
-#include "path/watch.hpp"
-#include "signals/angle_turns.hpp"
 #include "signals/inputs.hpp"
 
 namespace assur {
@@ -56,9 +53,7 @@ class Continuation {
   Continuation(const Prepared& prepared, const StepLimits& limits, Report& report, EventLog& events);
 
   // Signed angles that follow the postures from start() on; must outlive the continuation.
-  void follow(AngleTurns& turns) {
-    if (!turns.empty()) turns_.push_back(&turns);
-  }
+  void follow(AngleTurns& turns) { mechanism_.follow(turns); }
 
   // Leaves out drivers that neither a computed unknown nor a marked coordinate (by address) depends on.
   void keep_what_is_read(std::vector<std::uint8_t> marked);
@@ -69,7 +64,6 @@ class Continuation {
   void start(double time, const std::vector<double>& posture, const Continuation* before = nullptr);
 
   // State that determines the next steps.
-  static constexpr std::int64_t kNeverMeasured = -1;
   struct Snapshot {
     State state;
     Inputs::Controls controls;
@@ -79,12 +73,8 @@ class Continuation {
     double time = 0;
     double selected_at = kNan;
     bool turn_guessed = false;
-    double watched_level = 0, poor = 0, largest_coefficient = 0;
-    std::int64_t since_measured = kNeverMeasured;  // branch checks since that coefficient was measured
-    std::vector<Lever> levers;
+    Mechanism::Snapshot mechanism;
     std::vector<double> angles;  // of the drivers
-    std::vector<AngleTurns::Snapshot> turns;
-    LimitWatch::Snapshot limits;
     Bows::Measured bows;
     double limit_at = kNan;
     std::vector<PackLimit> pack_limits;
@@ -144,16 +134,19 @@ class Continuation {
   [[nodiscard]] Status step_to(double t, bool may_reselect, Stride& stride);
   [[nodiscard]] bool wants_reselection() const { return wants_reselection_; }
   // True if another set of the redundant equations would be better at the current posture than the set that is solved.
-  [[nodiscard]] bool set_is_poor();
+  [[nodiscard]] bool set_is_poor() { return mechanism_.set_is_poor(state_.at(0), report_.counters.branch_checks); }
   // To be called if no better set was found: set_is_poor() is then false until the set is twice as poor.
-  void keep_set();
+  void keep_set() {
+    mechanism_.keep_set();
+    selected_at_ = now_;
+  }
 
   // Solves the current posture again, to this residual, and the next postures as well. False: the posture is unchanged,
   // because it cannot be solved so exactly, or because the number of iterations is prescribed.
   [[nodiscard]] bool polish(double converged);
 
   // Largest relative residual of the redundant equations at the current posture.
-  [[nodiscard]] double contradiction() { return watch_ ? watch_->residual(state_.at(0)) : 0; }
+  [[nodiscard]] double contradiction() { return mechanism_.contradiction(state_.at(0)); }
   // The residual at which an equation counts as solved.
   [[nodiscard]] double converged() const { return converged_; }  // 0: as exact as doubles allow
   void converge_to(double residual) { converged_ = residual; }
@@ -169,9 +162,7 @@ class Continuation {
   [[nodiscard]] bool on_change_point() const { return now_ == limit_at_; }
   [[nodiscard]] const StepErrors& errors() const { return last_errors_; }
   // The limited quantities, as in Prepared::start_limits.
-  [[nodiscard]] std::vector<double> limited() const {
-    return limit_watch_ ? limit_watch_->values() : std::vector<double>();
-  }
+  [[nodiscard]] std::vector<double> limited() const { return mechanism_.limited(); }
 
   [[nodiscard]] Layout& layout() { return layout_; }
   [[nodiscard]] std::span<Pack> packs() { return packs_; }
@@ -190,8 +181,6 @@ class Continuation {
   void tell_before_dividing();
   [[nodiscard]] Status solve_at(double t, Attempt::Branch branch, StepErrors& errors);
   [[nodiscard]] Status solve_all(double t, Attempt::Branch branch, StepErrors& errors);
-  // left: relative residual of the solved equations.
-  [[nodiscard]] Status check_watched(double t, Attempt::Branch branch, double left, StepErrors& errors);
   [[nodiscard]] Status solve_packs(double t, Attempt::Branch branch, double converged, StepErrors& errors);
   [[nodiscard]] bool solve_together(const Attempt& attempt, StepErrors& errors);
   [[nodiscard]] double bent(double t);
@@ -199,7 +188,7 @@ class Continuation {
   [[nodiscard]] Status hidden();
   void undo_attempt();
   void forget_guards();
-  [[nodiscard]] Status check_levers(std::size_t begin, std::size_t end, double seconds);
+  [[nodiscard]] Status check_levers(Mechanism::Levers which, double seconds);
   void tell(const Status& stopped, double target);
   void accept(double t, const StepErrors& errors);
   [[nodiscard]] Status check_aim(double t);
@@ -215,7 +204,6 @@ class Continuation {
   void begin_limits(const Continuation* before);
   [[nodiscard]] Status turned_unseen(AngleTurns::Way way);
   [[nodiscard]] bool may_choose_anew(bool asked, double first) const;
-  [[nodiscard]] bool another_set_may_help();
   [[nodiscard]] Status at_the_limit(const Status& failed, double target, double t, double first);
   [[nodiscard]] bool turns_back();
   [[nodiscard]] std::pair<double, double> fold_between(double target, double t);
@@ -248,11 +236,7 @@ class Continuation {
   const State::Way* over_ = nullptr;  // predicts the step over a change point; else null
   bool lacks_rates_ = false;          // the rates of some unknowns are not computed, because they are not wanted
   bool expands_ = false;              // all rates are computed, and used for the prediction
-  std::optional<Watch> watch_;
-  double watched_level_ = 0;  // smallest relative residual that the watched equations can reach
-  std::optional<Independence> independence_;
-  double largest_coefficient_ = 0, poor_ = kPoorSet;  // of the watched equations; the limit for a poor set
-  std::int64_t measured_at_ = kNeverMeasured;         // branch check of that coefficient
+  Mechanism mechanism_;
   double converged_ = kConverged;
   StepErrors last_errors_;                      // of the last accepted posture
   std::vector<std::uint8_t> passing_, passed_;  // packs: 1 while the pack passes a change point; those of the last pass
@@ -261,11 +245,9 @@ class Continuation {
   double last_before_pass_ = 0;
   double beyond_ = 0;       // a time behind the crossing that was found last
   double limit_at_ = kNan;  // time of the posture whose packs hold limits; NaN: none does
-  std::optional<LimitWatch> limit_watch_;
-  bool passes_ = false;             // a change point is being passed: limits are checked afterwards
-  std::vector<AngleTurns*> turns_;  // of outputs and limits
-  int angles_together_;             // angles_together()
-  bool any_turn_ = true;            // angles take the shorter way, even if they turn far
+  bool passes_ = false;     // a change point is being passed: limits are checked afterwards
+  int angles_together_;     // angles_together()
+  bool any_turn_ = true;    // angles take the shorter way, even if they turn far
   bool turn_guessed_ = false;
   double turned_ = 0;    // length of the step that was tried over the largest allowed one, by turns and bows
   double shortest_ = 0;  // length of the shortest attempt at this step, until its failure is examined
@@ -278,14 +260,12 @@ class Continuation {
   bool divided_ = false;  // the current step was divided, or it failed
   // At the begin of the current step; attempts that fail change them before save() is called.
   struct {
-    double converged, watched_level;
+    double converged;
     bool turn_guessed;
   } at_begin_{};
   bool wants_reselection_ = false;
   double selected_at_ = kNan;    // time of the last reselection that was tried
   std::size_t failed_pack_ = 0;  // of the last attempt; the number of packs: none
-  std::vector<Lever> levers_;    // known ones first, then those that are unknowns
-  std::size_t known_levers_ = 0;
   Clock clock_ = &std::chrono::steady_clock::now;
   std::chrono::steady_clock::time_point deadline_ = std::chrono::steady_clock::time_point::max();
   std::int64_t joined_from_ = 0;

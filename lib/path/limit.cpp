@@ -67,10 +67,8 @@ Status Continuation::at_the_limit(const Status& failed, double target, double t,
   failed_pack_ = at_fault;
   state_.restore();
   if (deadline_passed()) return late();
-  for (const Lever& l : levers_) {
-    const double lever = state_.at(0)[l.address];
-    if (lever > kLittleLever * l.start) continue;
-    const Status gone{Code::actuator_zero, Place::driver(l.driver), lever};
+  if (const Lever* const l = mechanism_.little_lever(state_.at(0), kLittleLever); l != nullptr) {
+    const Status gone{Code::actuator_zero, Place::driver(l->driver), state_.at(0)[l->address]};
     tell(gone, target);
     return gone;
   }

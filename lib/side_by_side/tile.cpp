@@ -32,11 +32,12 @@ Tile::Tile(const Prepared& prepared, const StepLimits& limits)
       estimate_(*structure_, layout_, outputs_, prepared.plan.accuracy) {
   state_.resize(layout_.first_unknown, layout_.size, prepared.plan.run.predictor);
   const System& system = *structure_->system;
-  watch_.resize(idx(lanes_));
-  independence_.resize(idx(lanes_));
-  limit_watch_.resize(idx(lanes_));
   limit_events_.resize(idx(lanes_));
-  levers_of_.resize(idx(lanes_));
+  mechanisms_.reserve(idx(lanes_));
+  for (std::size_t lane = 0; lane < idx(lanes_); ++lane) {
+    mechanisms_.emplace_back(*structure_, layout_, lane).follow(turns_[lane]);
+  }
+  mechanisms_[0].bind(system, false);
   all_divisors_.resize(idx(lanes_) * outputs_[0].measures());
   for (std::size_t lane = 0; lane < idx(lanes_); ++lane) {
     divisors_.push_back(all_divisors_.data() + lane * outputs_[0].measures());
@@ -51,8 +52,7 @@ Tile::Tile(const Prepared& prepared, const StepLimits& limits)
     for (const std::int32_t a : pack.inputs) read[idx(a)] = 1;
   }
   outputs_[0].mark(read);
-  if (!system.bounds.empty()) LimitWatch(system, layout_.address).mark(read);
-  for (const std::int32_t c : structure_->watch.inputs) read[idx(layout_.address[idx(c)])] = 1;
+  mechanisms_[0].mark(read);
   for (std::size_t c = 0; c < needed.size(); ++c) {
     const auto own = static_cast<std::int32_t>(c) * lanes_;  // address, unless it is a copy
     needed[c] = layout_.address[c] == own ? read[idx(own)] : std::uint8_t{0};
@@ -61,16 +61,8 @@ Tile::Tile(const Prepared& prepared, const StepLimits& limits)
   for (const Index i : driven_.inputs) {
     const DriverInput& in = system.inputs[idx(i)];
     for (Index k = 0; k < in.count; ++k) driven_coordinates_.push_back(in.first + k);
-    if (in.must_not_vanish) levers_.push_back({in.first * lanes_, in.driver});
   }
-  known_levers_ = levers_.size();
   while (at_rest_ < layout_.packs.size() && layout_.packs[at_rest_].unknowns < layout_.first_unknown) ++at_rest_;
-  for (const Positive& p : system.positive) {
-    const std::int32_t address = layout_.address[idx(p.coordinate)];
-    if (address >= 0 && system.coordinates[idx(p.coordinate)].role == Role::unknown) {
-      levers_.push_back({address, p.driver});
-    }
-  }
   for (const Index i : driven_.assignments) driven_coordinates_.push_back(system.assignments[idx(i)].coordinate);
 }
 
@@ -88,8 +80,6 @@ Status Tile::start(std::span<const Variant* const> variants, bool alike) {
   bind(alike);
   state_.clear();
   begin_bows();
-  watched_level_ = 0;
-  measured_at_ = -1;
   const std::size_t w = idx(lanes_);
   for (std::size_t lane = 0; lane < w; ++lane) {
     const Variant& v = *variants_[lane < variants_.size() ? lane : 0];
@@ -103,6 +93,9 @@ Status Tile::start(std::span<const Variant* const> variants, bool alike) {
   const std::vector<double> times = now_;
   const Status s = solve(times, Attempt::Branch::start);
   if (!s.ok()) return s;
+  for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
+    mechanisms_[lane].begin({state_.at(0) + lane, state_.at(1) + lane, state_.at(2) + lane});
+  }
   accept(times);
   return begin_limits();
 }
@@ -117,7 +110,7 @@ void Tile::begin_bows() {
     for (LaneArray& v : known_) v.assign(layout_.size, 0.0);
   }
   std::fill(law_bows_.begin(), law_bows_.end(), 0.0);
-  for (auto& of : levers_of_) of = levers_;
+  for (Mechanism& m : mechanisms_) m.clear();
   bows_.clear();
   length_of_bows_ = kNan;
 }
@@ -138,12 +131,8 @@ void Tile::bind(bool alike) {
   }
   for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
     bind_programs(lane);
-    const System& system = *variants_[lane]->system;
-    if (!system.bounds.empty()) limit_watch_[lane] = std::make_unique<LimitWatch>(system, layout_.address);
-    if (structure_->watch_class.equations.empty()) continue;
-    watch_[lane].emplace(system, *structure_, layout_.address);
-    independence_[lane] =
-        variants_[lane]->reselect ? std::make_unique<Independence>(system, *structure_, layout_.address) : nullptr;
+    mechanisms_[lane].bind(*variants_[lane]->system, variants_[lane]->reselect != nullptr);
+    mechanisms_[lane].check_inputs(driven_.inputs);
   }
   std::vector<const System*> systems;
   for (const Variant* v : variants_) systems.push_back(v->system.get());
@@ -240,7 +229,7 @@ Status Tile::step(std::span<const double> times) {
   bows_.begin_step();
   state_.predict(times[0]);
   Status s = solve(times, Attempt::Branch::inside);
-  if (s.ok() && limit_watch_[0]) s = check_limits(times);
+  if (s.ok() && mechanisms_[0].limits() != nullptr) s = check_limits(times);
   if (!s.ok()) {
     state_.restore();
     return s;
@@ -272,15 +261,14 @@ Status Tile::solve_all(std::span<const double> times, Attempt::Branch branch, St
   }
   const auto seconds = [&](std::size_t lane) { return inside ? times[lane] - now_[lane] : 0; };
   for (std::size_t lane = 0; lane < driven_lanes_; ++lane) {
-    if (const Status s = check_levers(0, known_levers_, lane, seconds(lane)); !s.ok()) return s;
+    if (const Status s = check_levers(Mechanism::Levers::known, lane, seconds(lane)); !s.ok()) return s;
   }
   if (const Status s = solve_packs(times, branch, inside ? converged_ : kConverged, errors); !s.ok()) return s;
   for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
-    if (const Status s = check_levers(known_levers_, levers_.size(), lane, seconds(lane)); !s.ok()) return s;
+    if (const Status s = check_levers(Mechanism::Levers::unknown, lane, seconds(lane)); !s.ok()) return s;
   }
-  if (const Status s = check_watched(times, branch, errors); !s.ok()) return s;
+  if (const Status s = check_redundant(times, branch, errors); !s.ok()) return s;
   if (const Status s = check_sets(); !s.ok()) return s;
-  if (branch == Attempt::Branch::start) return begin_angles(times);
   return inside ? follow_angles(times[0] - now_[0]) : Status{};
 }
 
@@ -341,14 +329,7 @@ void Tile::measure_bows(std::span<const double> times) {
   });
   for (Pack& pack : layout_.packs) pack.factored = false;
   for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
-    turns_[lane].measure(q[0] + lane, bows_.probes(), known_[0], lane);
-    for (Lever& l : levers_of_[lane]) l.bow = bows_.sizes()[idx(l.address) + lane];
-  }
-  std::fill(known_[0].begin(), known_[0].end(), 0.0);
-  for (std::size_t lane = 0; lane < variants_.size() && limit_watch_[0]; ++lane) {
-    const double* const of[3] = {q[0] + lane, q[1] + lane, q[2] + lane};
-    limit_watch_[lane]->turns().measure(q[0] + lane, bows_.probes(), known_[1], lane);
-    limit_watch_[lane]->measure(of, bows_.probes(), known_[0].data(), lane);
+    mechanisms_[lane].measure({q[0] + lane, q[1] + lane, q[2] + lane}, bows_, known_[0]);
   }
   (void)drive(times);
 }
@@ -363,10 +344,7 @@ bool Tile::polish() {
   }
   state_.replace();
   if (at_rest_ > 0) state_.spread_known();
-  for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
-    turns_[lane].accept(0);
-    if (limit_watch_[lane]) limit_watch_[lane]->turns().accept(0);
-  }
+  for (Mechanism& m : mechanisms()) m.accept(0, true);
   return true;
 }
 
@@ -397,7 +375,7 @@ void Tile::measure_errors(std::span<const double> times, std::span<const double*
   const double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
   const bool redundant = !structure_->watch_class.equations.empty();
   for (std::size_t lane = 0; lane < variants_.size() && redundant; ++lane) {
-    estimate_.contradict(lane, watch_[lane]->residual(state_.at(0) + lane));
+    estimate_.contradict(lane, mechanisms_[lane].contradiction(state_.at(0) + lane));
   }
   estimate_.measure(times, q, rows, divisors_, [&](const auto& work) {
     for (std::size_t p = 0; p < layout_.packs.size(); ++p) work(p, *layout_.solvers[idx(layout_.packs[p].group_class)]);
@@ -415,63 +393,35 @@ Status Tile::accuracy(int lane) const {
   return {Code::inaccurate, layout_.packs.empty() ? Place{} : Place::group(group), estimate_.now(idx(lane)).worst()};
 }
 
-Status Tile::check_levers(std::size_t begin, std::size_t end, std::size_t lane, double seconds) const {
-  const double* const from[3] = {state_.accepted(0) + lane, state_.accepted(1) + lane, state_.accepted(2) + lane};
-  const double* const to[3] = {state_.at(0) + lane, state_.at(1) + lane, state_.at(2) + lane};
-  const std::span<const Lever> levers = std::span(levers_of_[lane]).subspan(begin, end - begin);
-  const Lever* l = seconds == 0 ? nullptr : may_vanish(levers, from[0], to[0], bows_.times(lane));
-  if (l != nullptr) return {Code::branch_unknown, Place::lane(static_cast<std::int32_t>(lane)), seconds};
-  l = vanished(levers, from, to, seconds);
-  if (l == nullptr) return {};
-  return {Code::actuator_zero, Place::lane(static_cast<std::int32_t>(lane)), std::min(to[0][l->address], 0.0)};
+Status Tile::check_levers(Mechanism::Levers which, std::size_t lane, double seconds) const {
+  Status s = mechanisms_[lane].check_levers(
+      which, {state_.accepted(0) + lane, state_.accepted(1) + lane, state_.accepted(2) + lane},
+      {state_.at(0) + lane, state_.at(1) + lane, state_.at(2) + lane}, seconds, bows_.times(lane));
+  if (!s.ok()) s.where = Place::lane(static_cast<std::int32_t>(lane));
+  return s;
 }
 
-// Largest relative residual of the watched equations, and the lane.
-double Tile::watched(std::int32_t& worst) {
-  double largest = 0;
-  for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
-    counters_.evaluated_equations += static_cast<std::int64_t>(watch_[lane]->equations());
-    const double r = watch_[lane]->residual(state_.at(0) + lane);
-    if (r <= largest) continue;
-    largest = r;
-    worst = static_cast<std::int32_t>(lane);
-    if (std::isnan(r)) break;
-  }
-  return largest;
-}
-
-// Like Continuation::check_watched().
-Status Tile::check_watched(std::span<const double> times, Attempt::Branch branch, StepErrors& errors) {
+Status Tile::check_redundant(std::span<const double> times, Attempt::Branch branch, StepErrors& errors) {
   if (structure_->watch_class.equations.empty()) return {};
-  std::int32_t worst = 0;
-  double r = watched(worst);
-  if (limits_.iterations == 0 && r > std::max(kConverged, 2 * watched_level_)) {
-    if (const Status s = solve_packs(times, branch, 0, errors); !s.ok()) return s;
-    r = watched(worst);
-    watched_level_ = r > kConverged ? r : 0;
-  }
-  if (!(r <= kConsistent)) return {Code::inconsistent, Place::lane(worst), r};
-  errors.position = std::max(errors.position, r);
-  return {};
+  std::size_t worst = 0;
+  bool is_solved = true;
+  Status s = check_watched(
+      mechanisms(), state_.at(0), branch == Attempt::Branch::inside ? converged_ : kConverged, limits_.iterations == 0,
+      [&] {
+        const Status corrected = solve_packs(times, branch, 0, errors);
+        is_solved = corrected.ok();
+        return corrected;
+      },
+      counters_, errors, worst);
+  if (!s.ok() && is_solved) s.where = Place::lane(static_cast<std::int32_t>(worst));
+  return s;
 }
 
 // A lane must go on alone if another set of the redundant equations would be better.
 Status Tile::check_sets() {
-  if (structure_->watch_class.equations.empty() || measured_at_ == counters_.branch_checks) return {};
-  measured_at_ = counters_.branch_checks;
   for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
-    if (!independence_[lane] || independence_[lane]->empty()) continue;
-    const double largest = independence_[lane]->largest_coefficient(state_.at(0) + lane);
+    const double largest = mechanisms_[lane].largest_coefficient(state_.at(0) + lane, counters_.branch_checks);
     if (!(largest <= 2 * kPoorSet)) return {Code::singular, Place::lane(static_cast<std::int32_t>(lane)), largest};
-  }
-  return {};
-}
-
-Status Tile::begin_angles(std::span<const double> times) {
-  now_.assign(times.begin(), times.end());
-  for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
-    turns_[lane].start(state_.at(0) + lane);
-    if (limit_watch_[lane]) limit_watch_[lane]->turns().start(state_.at(0) + lane);
   }
   return {};
 }
@@ -479,15 +429,11 @@ Status Tile::begin_angles(std::span<const double> times) {
 // Not ok if an angle of some lane turned so far that its sense of rotation is unknown.
 Status Tile::follow_angles(double seconds) {
   Status s;
-  if (turns_[0].empty() && !limit_watch_[0]) return s;
   for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
-    const double* const q = state_.at(0) + lane;
-    const double times = bows_.times(lane);
-    bool known = turns_[lane].follow(q, seconds, times) == AngleTurns::Way::known;
-    if (limit_watch_[lane]) {
-      known = limit_watch_[lane]->turns().follow(q, seconds, times) == AngleTurns::Way::known && known;
+    if (mechanisms_[lane].follow_angles(state_.at(0) + lane, seconds, bows_.times(lane)) == AngleTurns::Way::known) {
+      continue;
     }
-    if (!known) s = {Code::branch_unknown, Place::lane(static_cast<std::int32_t>(lane)), seconds};
+    s = {Code::branch_unknown, Place::lane(static_cast<std::int32_t>(lane)), seconds};
   }
   return s;
 }
@@ -502,42 +448,34 @@ void Tile::accept(std::span<const double> times) {
     if (accepted.size() != angles.size()) accepted.resize(angles.size());
     for (std::size_t i = 0; i < angles.size(); ++i) accepted[i] = angles[i];
   }
-  for (std::size_t lane = 0; lane < variants_.size() && !turns_[0].empty(); ++lane) {
-    turns_[lane].accept(times[0] - now_[0]);
-  }
-  for (std::size_t lane = 0; lane < variants_.size() && limit_watch_[0]; ++lane) {
-    limit_watch_[lane]->turns().accept(times[0] - now_[0]);
-    limit_watch_[lane]->accept();
-  }
+  for (Mechanism& m : mechanisms()) m.accept(times[0] - now_[0]);
   now_.assign(times.begin(), times.end());
 }
 
 // Not ok if a variant begins outside a limit that ends motions.
 Status Tile::begin_limits() {
-  for (std::size_t lane = 0; lane < variants_.size() && limit_watch_[0]; ++lane) {
-    LimitWatch& watch = *limit_watch_[lane];
-    const Variant& variant = *variants_[lane];
+  for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
     limit_events_[lane].clear();
-    watch.start({state_.at(0) + lane, state_.at(1) + lane, state_.at(2) + lane}, now_[lane], variant.limited);
-    if (!variant.limited.empty()) continue;
-    for (const std::size_t bound : watch.violated()) {
-      const LimitWatch::Change outside{bound, true, now_[lane], now_[lane]};
-      if (watch.ends(outside)) return {Code::stop_reached, Place::lane(static_cast<std::int32_t>(lane)), 0};
-      limit_events_[lane].push_back(watch.event(outside));
+    for (const LimitWatch::Change& outside : mechanisms_[lane].begin_limits(
+             {state_.at(0) + lane, state_.at(1) + lane, state_.at(2) + lane}, now_[lane], variants_[lane]->limited)) {
+      const LimitWatch& limits = *mechanisms_[lane].limits();
+      if (limits.ends(outside)) return {Code::stop_reached, Place::lane(static_cast<std::int32_t>(lane)), 0};
+      limit_events_[lane].push_back(limits.event(outside));
     }
   }
   return {};
 }
 
-// Like Continuation::check_limits(). A lane whose motion ends must go on alone.
+// A lane whose motion ends, or whose limits the ends of the step do not show, must go on alone.
 Status Tile::check_limits(std::span<const double> times) {
   const auto may_change = [&](std::size_t lane) {
-    return limit_watch_[lane]->may_change({state_.at(0) + lane, state_.at(1) + lane, state_.at(2) + lane}, times[lane]);
+    return mechanisms_[lane].limits()->may_change({state_.at(0) + lane, state_.at(1) + lane, state_.at(2) + lane},
+                                                  times[lane]);
   };
   std::vector<std::size_t> lanes;
   for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
     if (may_change(lane)) lanes.push_back(lane);
-    if (limit_watch_[lane]->hides_change(bows_.times(lane))) {
+    if (mechanisms_[lane].limits()->hides_change(bows_.times(lane))) {
       for (Pack& pack : layout_.packs) pack.undo(attempts_);
       return {Code::branch_unknown, Place::lane(static_cast<std::int32_t>(lane)), 0};
     }
@@ -550,7 +488,7 @@ Status Tile::check_limits(std::span<const double> times) {
   std::vector<double> probe(times.size());
   std::vector<std::vector<Event>> found(variants_.size());
   for (const std::size_t lane : lanes) {
-    const auto changes = limit_watch_[lane]->changes([&](double t) -> const double* {
+    const auto changes = mechanisms_[lane].limits()->changes([&](double t) -> const double* {
       for (std::size_t i = 0; i < probe.size(); ++i) probe[i] = i == lane ? t : now_[i] + (t - now_[lane]);
       state_.predict(probe[0]);
       ++attempts_;
@@ -560,8 +498,9 @@ Status Tile::check_limits(std::span<const double> times) {
       return s.ok() ? state_.at(0) + lane : nullptr;
     });
     for (const LimitWatch::Change& c : changes) {
-      if (limit_watch_[lane]->ends(c)) return {Code::stop_reached, Place::lane(static_cast<std::int32_t>(lane)), 0};
-      found[lane].push_back(limit_watch_[lane]->event(c));
+      if (mechanisms_[lane].limits()->ends(c))
+        return {Code::stop_reached, Place::lane(static_cast<std::int32_t>(lane)), 0};
+      found[lane].push_back(mechanisms_[lane].limits()->event(c));
     }
   }
   state_.predict(times[0]);

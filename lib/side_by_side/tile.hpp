@@ -17,14 +17,11 @@
 #include "errors/error_estimate.hpp"
 #include "path/bows.hpp"
 #include "path/function_check.hpp"
-#include "path/independence.hpp"
 #include "path/layout.hpp"
-#include "path/limit_watch.hpp"
+#include "path/mechanism.hpp"
 #include "path/state.hpp"
-#include "path/watch.hpp"
 #include "signals/angle_turns.hpp"
 #include "signals/drive_program.hpp"
-#include "signals/inputs.hpp"
 #include "signals/output_program.hpp"
 
 namespace assur {
@@ -80,8 +77,7 @@ class Tile {
 
   // The limited quantities of one variant, as in Prepared::start_limits.
   [[nodiscard]] std::vector<double> limited(int lane) const {
-    const auto& watch = limit_watch_[static_cast<std::size_t>(lane)];
-    return watch ? watch->values() : std::vector<double>();
+    return mechanisms_[static_cast<std::size_t>(lane)].limited();
   }
   // Moves the events at limits of one variant to the end of a list.
   void take_events(int lane, std::vector<Event>& to);
@@ -124,18 +120,18 @@ class Tile {
   [[nodiscard]] Status solve_all(std::span<const double> times, Attempt::Branch branch, StepErrors& errors);
   [[nodiscard]] Status solve_packs(std::span<const double> times, Attempt::Branch branch, double converged,
                                    StepErrors& errors);
-  [[nodiscard]] double watched(std::int32_t& worst);
-  [[nodiscard]] Status check_watched(std::span<const double> times, Attempt::Branch branch, StepErrors& errors);
+  [[nodiscard]] Status check_redundant(std::span<const double> times, Attempt::Branch branch, StepErrors& errors);
   [[nodiscard]] Status check_sets();
   void begin_bows();
   [[nodiscard]] Status check_bows(std::span<const double> times);
   void measure_bows(std::span<const double> times);
-  [[nodiscard]] Status check_levers(std::size_t begin, std::size_t end, std::size_t lane, double seconds) const;
-  [[nodiscard]] Status begin_angles(std::span<const double> times);
+  [[nodiscard]] Status check_levers(Mechanism::Levers which, std::size_t lane, double seconds) const;
   [[nodiscard]] Status follow_angles(double seconds);
   [[nodiscard]] Status begin_limits();
   [[nodiscard]] Status check_limits(std::span<const double> times);
   void accept(std::span<const double> times);
+  // Those in use.
+  [[nodiscard]] std::span<Mechanism> mechanisms() { return std::span(mechanisms_).first(variants_.size()); }
 
   std::shared_ptr<const Structure> structure_;
   StepLimits limits_;
@@ -144,23 +140,18 @@ class Tile {
   std::size_t at_rest_ = 0;  // the first packs: they are solved again only if no time passes
   Driven driven_;
   std::vector<Index> driven_coordinates_;
-  std::vector<Lever> levers_;  // known ones first, then those that are unknowns
-  std::size_t known_levers_ = 0;
   std::vector<std::optional<DriveProgram>> drive_;  // lanes
   int together_;                                    // angles_together()
   std::size_t driven_lanes_ = 0;  // lanes whose laws were evaluated last; the others have those of the first
   std::vector<std::vector<double>> driven_angles_;  // lanes: of the drivers, at the last posture
   std::size_t lanes_accepted_ = 1;                  // lanes with driven angles; the others have those of the first
   std::vector<std::string> columns_;
-  std::vector<OutputProgram> outputs_;                       // lanes
-  std::vector<AngleTurns> turns_;                            // lanes
-  std::vector<std::unique_ptr<LimitWatch>> limit_watch_;     // lanes; null if there are no limits
-  std::vector<std::vector<Event>> limit_events_;             // lanes: not taken yet
-  std::vector<double> all_divisors_;                         // of the measures, lane after lane
-  std::vector<double*> divisors_;                            // lanes: places in all_divisors_
-  std::vector<std::optional<Watch>> watch_;                  // lanes
-  std::vector<std::unique_ptr<Independence>> independence_;  // lanes; null if no other set can be chosen
-  std::int64_t measured_at_ = -1;                            // branch checks when the sets were examined
+  std::vector<OutputProgram> outputs_;                   // lanes
+  std::vector<AngleTurns> turns_;                        // lanes
+  std::vector<Mechanism> mechanisms_;                    // lanes
+  std::vector<std::vector<Event>> limit_events_;         // lanes: not taken yet
+  std::vector<double> all_divisors_;                     // of the measures, lane after lane
+  std::vector<double*> divisors_;                        // lanes: places in all_divisors_
   std::vector<std::optional<FunctionCheck>> functions_;  // lanes; only the first of equal ones; empty: nothing to check
   ErrorEstimate estimate_;
   State state_;
@@ -169,20 +160,18 @@ class Tile {
   double length_of_bows_ = kNan;    // the step that they are for, if they depend on its length only
   bool bends_ = false;              // a law leaves its chord on that step
   std::array<LaneArray, 3> known_;  // for bows_: known coordinates and their derivatives, in the layout of the state
-  std::vector<std::vector<Lever>> levers_of_;  // lanes: the levers with their bows
-  std::vector<const Variant*> variants_;       // lanes in use
-  std::vector<const System*> bound_to_;        // lanes: system of the programs
-  std::vector<std::vector<Output>> wanted_;    // lanes: outputs of that system
-  std::vector<double> now_;                    // their times
-  bool same_laws_ = false;                     // of the drivers of all lanes
+  std::vector<const Variant*> variants_;     // lanes in use
+  std::vector<const System*> bound_to_;      // lanes: system of the programs
+  std::vector<std::vector<Output>> wanted_;  // lanes: outputs of that system
+  std::vector<double> now_;                  // their times
+  bool same_laws_ = false;                   // of the drivers of all lanes
   bool same_assignments_ = false;
   std::int64_t attempts_ = 0;
   Counters counters_;
   Effort effort_;  // effort of solvers that were replaced
   ErrorFigures error_;
-  double converged_ = 0;      // residual at which a step counts as solved; 0: as exact as doubles allow
-  double left_ = 0;           // largest residual of the last step
-  double watched_level_ = 0;  // smallest relative residual that the watched equations can reach
+  double converged_ = 0;  // residual at which a step counts as solved; 0: as exact as doubles allow
+  double left_ = 0;       // largest residual of the last step
 };
 
 }  // namespace assur

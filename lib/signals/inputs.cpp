@@ -111,11 +111,6 @@ void Inputs::compile(const Driven& driven) {
   bows_.assign(program_.laws(), 0.0);
   length_of_bows_ = kNan;
   evaluated_ = driven.inputs;
-  levers_.clear();
-  for (const Index i : driven.inputs) {
-    const DriverInput& in = system_.inputs[static_cast<std::size_t>(i)];
-    if (in.must_not_vanish) levers_.push_back({in.first, in.driver});
-  }
 }
 
 // All laws and targets at time t.

@@ -55,9 +55,6 @@ class Inputs {
   // state[1].
   void differentiate(std::size_t control, double* const (&state)[3]);
 
-  // Driven distances among the evaluated drivers.
-  [[nodiscard]] const std::vector<Lever>& levers() const { return levers_; }
-
   // True if this law of the system is needed, and no target was set instead.
   [[nodiscard]] bool follows_law(std::size_t input, std::size_t law) const;
 
@@ -153,7 +150,6 @@ class Inputs {
   DriveProgram program_;
   double expanded_about_ = kNan;  // NaN: laws and targets are followed
   std::vector<Index> evaluated_;
-  std::vector<Lever> levers_;
   std::vector<double> accepted_angles_;
   std::vector<double> bows_;      // laws
   double length_of_bows_ = kNan;  // the step that they are for, if they depend on its length only
