@@ -255,7 +255,7 @@ Status Continuation::solve_all(double t, Attempt::Branch branch, StepErrors& err
     if (!s.ok()) return s;
   }
   // The angles of drivers are within the limit of a step here; measured angles may have turned farther.
-  if (branch != Attempt::Branch::inside) return {};
+  if (branch != Attempt::Branch::inside || !mechanism_.is_followed()) return {};
   const AngleTurns::Way way = mechanism_.follow_angles(state_.at(0), t - now_, any_turn_ ? 0 : bows_.times());
   return way == AngleTurns::Way::known ? Status{} : turned_unseen(way);
 }
@@ -367,6 +367,7 @@ void Continuation::forget_guards() {
 }
 
 Status Continuation::check_levers(Mechanism::Levers which, double seconds) {
+  if (!mechanism_.has(which)) return {};
   const Status s =
       mechanism_.check_levers(which, {state_.accepted(0), state_.accepted(1), state_.accepted(2)},
                               {state_.at(0), state_.at(1), state_.at(2)}, seconds, any_turn_ ? 0 : bows_.times());
@@ -391,7 +392,7 @@ void Continuation::accept(double t, const StepErrors& errors) {
   if (t != limit_at_ && !std::isnan(limit_at_)) drop_limit();
   state_.accept(t);
   inputs_.accept();
-  mechanism_.accept(t - now_, passes_);
+  if (mechanism_.is_followed()) mechanism_.accept(t - now_, passes_);
   now_ = t;
   report_.reached = t;
   last_errors_ = errors;

@@ -53,6 +53,7 @@ class Mechanism {
 
   // Levers that are inputs, and those that are unknowns.
   enum class Levers : std::uint8_t { known, unknown };
+  [[nodiscard]] bool has(Levers which) const { return known_levers_ != (which == Levers::known ? 0 : levers_.size()); }
   // Beyond zero, a driver's equations would hold half a turn away from its law. branch_unknown: a lever may vanish
   // unseen on the way; actuator_zero: one vanishes. The place is the driver. seconds: time of the way, 0: only `to` is
   // examined; times: factor of the bows, or 0.
@@ -82,6 +83,8 @@ class Mechanism {
 
   // ---- angles and limits
 
+  // False if accept() and follow_angles() do nothing.
+  [[nodiscard]] bool is_followed() const { return limits_ != nullptr || !turns_.empty(); }
   // Examines the turns to another posture, see AngleTurns::follow().
   [[nodiscard]] AngleTurns::Way follow_angles(const double* q, double seconds, double times);
   // Accepts the posture that was examined last. passes: limits are checked later.

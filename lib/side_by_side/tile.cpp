@@ -394,6 +394,7 @@ Status Tile::accuracy(int lane) const {
 }
 
 Status Tile::check_levers(Mechanism::Levers which, std::size_t lane, double seconds) const {
+  if (!mechanisms_[lane].has(which)) return {};
   Status s = mechanisms_[lane].check_levers(
       which, {state_.accepted(0) + lane, state_.accepted(1) + lane, state_.accepted(2) + lane},
       {state_.at(0) + lane, state_.at(1) + lane, state_.at(2) + lane}, seconds, bows_.times(lane));
@@ -419,6 +420,7 @@ Status Tile::check_redundant(std::span<const double> times, Attempt::Branch bran
 
 // A lane must go on alone if another set of the redundant equations would be better.
 Status Tile::check_sets() {
+  if (structure_->watch_class.equations.empty()) return {};
   for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
     const double largest = mechanisms_[lane].largest_coefficient(state_.at(0) + lane, counters_.branch_checks);
     if (!(largest <= 2 * kPoorSet)) return {Code::singular, Place::lane(static_cast<std::int32_t>(lane)), largest};
@@ -429,6 +431,7 @@ Status Tile::check_sets() {
 // Not ok if an angle of some lane turned so far that its sense of rotation is unknown.
 Status Tile::follow_angles(double seconds) {
   Status s;
+  if (!mechanisms_[0].is_followed()) return s;
   for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
     if (mechanisms_[lane].follow_angles(state_.at(0) + lane, seconds, bows_.times(lane)) == AngleTurns::Way::known) {
       continue;
