@@ -3,6 +3,10 @@
 #include <sys/mman.h>
 
 #include <algorithm>
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "execute/executor.hpp"
@@ -11,6 +15,7 @@ namespace assur {
 namespace {
 
 namespace x86 = asmjit::x86;
+namespace Inst = asmjit::x86::Inst;
 
 using Function = void (*)(double* const*);  // memory, at the lanes of one vector
 
@@ -34,194 +39,476 @@ class Code {
     return code.relocateToBase(reinterpret_cast<std::uintptr_t>(at)) == asmjit::kErrorOk &&
            code.copyFlattenedData(at, size_) == asmjit::kErrorOk && protect(at, size_);
   }
-  [[nodiscard]] Function function(std::size_t offset) const {
-    return reinterpret_cast<Function>(reinterpret_cast<std::uintptr_t>(at_) + offset);
-  }
+  [[nodiscard]] Function function() const { return reinterpret_cast<Function>(at_); }
 
  private:
   void* at_ = nullptr;
   std::size_t size_ = 0;
 };
 
-// Writes the functions of all phases for vectors of `width` lanes, of `lanes` lanes in memory.
-class Writer {
- public:
-  Writer(int lanes, int width, asmjit::CodeHolder& code) : lanes_(lanes), width_(width), cc_(&code) {}
+// A place in a phase: 2 i is instruction i, and 2 i + 1 the stores behind it.
+using Point = std::uint32_t;
+constexpr Point kNever = UINT32_MAX;
 
-  // False if an operation is unknown.
-  [[nodiscard]] bool function(const Phase& phase, asmjit::Label& label) {
-    asmjit::FuncSignatureBuilder signature;
-    signature.setRet(asmjit::TypeId::kVoid);
-    signature.addArg(asmjit::TypeId::kUIntPtr);
-    asmjit::FuncNode* const node = cc_.addFunc(signature);
-    if (node == nullptr) return false;
-    label = node->label();
-    node->frame().setAvxEnabled();
-    node->frame().setAvxCleanup();  // what follows may be SSE
-    if (width_ == 8) node->frame().setAvx512Enabled();
-    memory_ = cc_.newIntPtr();
-    node->setArg(0, memory_);
-    base_.assign(kMemories, x86::Gp());
-    values_.clear();
-    for (const Instruction& n : phase.code) {
-      if (!write(phase, n)) return false;
+// The points where the values of a phase are used, and where its stores are written.
+class Uses {
+ public:
+  explicit Uses(const Phase& phase) : of_(phase.code.size()), next_(phase.code.size()), stores_(phase.code.size()) {
+    for (std::uint32_t i = 0; i < phase.code.size(); ++i) {
+      const Instruction& n = phase.code[i];
+      for (int k = 0; k < operands_of(n.op); ++k) of_[n.operand[static_cast<std::size_t>(k)]].push_back(2 * i);
     }
-    for (const Phase::Store& s : phase.stores) store(values_[s.value], slot(s.to));
-    cc_.ret();
-    return cc_.endFunc() == asmjit::kErrorOk;
+    // A store is written as early as possible, but behind the loads of its slot with their uses, and in order.
+    std::vector<std::uint32_t> behind;
+    for (const Phase::Store& s : phase.stores) {
+      std::uint32_t at = s.value;
+      for (std::uint32_t i = 0; i < phase.code.size(); ++i) {
+        if (phase.code[i].op != Op::load || phase.code[i].slot != s.to) continue;
+        at = std::max(at, of_[i].empty() ? i : of_[i].back() / 2);
+      }
+      for (std::size_t k = 0; k < behind.size(); ++k) {
+        if (phase.stores[k].to == s.to) at = std::max(at, behind[k]);
+      }
+      behind.push_back(at);
+    }
+    for (std::size_t s = 0; s < behind.size(); ++s) {
+      stores_[behind[s]].push_back(s);
+      std::vector<Point>& points = of_[phase.stores[s].value];
+      const Point at = 2 * behind[s] + 1;
+      points.insert(std::upper_bound(points.begin(), points.end(), at), at);
+    }
   }
 
-  [[nodiscard]] bool finish() { return cc_.finalize() == asmjit::kErrorOk; }
+  // The first use of a value at `from` or later.
+  [[nodiscard]] Point next(std::uint32_t value, Point from) {
+    const std::vector<Point>& points = of_[value];
+    std::size_t& k = next_[value];
+    while (k > 0 && points[k - 1] >= from) --k;
+    while (k < points.size() && points[k] < from) ++k;
+    return k < points.size() ? points[k] : kNever;
+  }
+  // Indices of the stores behind instruction i.
+  [[nodiscard]] const std::vector<std::size_t>& stores_behind(std::uint32_t i) const { return stores_[i]; }
 
  private:
-  x86::Vec vector() {
-    if (width_ == 8) return cc_.newZmm();
-    if (width_ == 4) return cc_.newYmm();
-    return cc_.newXmm();
-  }
-  x86::Mem slot(Slot s) {
-    x86::Gp& base = base_[static_cast<std::size_t>(s.memory)];
-    if (!base.isValid()) {
-      base = cc_.newIntPtr();
-      cc_.mov(base, x86::ptr(memory_, static_cast<std::int32_t>(s.memory) * 8));
-    }
-    return x86::ptr(base, static_cast<std::int32_t>(s.index) * lanes_ * 8, static_cast<std::uint32_t>(width_) * 8);
-  }
-  void load(const x86::Vec& to, const x86::Mem& from) {
-    if (width_ == 1) {
-      cc_.vmovsd(to.xmm(), from);
-    } else {
-      cc_.vmovupd(to, from);
-    }
-  }
-  void store(const x86::Vec& from, const x86::Mem& to) {
-    if (width_ == 1) {
-      cc_.vmovsd(to, from.xmm());
-    } else {
-      cc_.vmovupd(to, from);
-    }
-  }
-  void set(const x86::Vec& to, double number) {
-    const x86::Mem from = cc_.newDoubleConst(asmjit::ConstPoolScope::kGlobal, number);
-    if (width_ <= 2) {
-      cc_.vmovddup(to, from);
-    } else {
-      cc_.vbroadcastsd(to, from);
-    }
-  }
-  // to = a <= b ? yes : no
-  void choose(const x86::Vec& to, const x86::Vec& a, const x86::Vec& b, const x86::Vec& yes, const x86::Vec& no) {
-    const asmjit::Imm less_or_equal(0x12);  // false for NaN, quiet
-    if (width_ == 8) {
-      const x86::KReg mask = cc_.newKq();
-      cc_.vcmppd(mask, a, b, less_or_equal);
-      cc_.k(mask).vblendmpd(to, no, yes);
-    } else {
-      const x86::Vec mask = vector();
-      cc_.vcmppd(mask, a, b, less_or_equal);
-      cc_.vblendvpd(to, no, yes, mask);
-    }
-  }
+  std::vector<std::vector<Point>> of_;  // ascending
+  std::vector<std::size_t> next_;
+  std::vector<std::vector<std::size_t>> stores_;
+};
 
-  bool write(const Phase& phase, const Instruction& n) {
-    constexpr int kNearest = 0x08;  // quiet
-    const x86::Vec to = vector();
-    const auto of = [&](std::size_t k) -> const x86::Vec& { return values_[n.operand[k]]; };
-    switch (n.op) {
-      case Op::load:
-        load(to, slot(n.slot));
-        break;
-      case Op::constant:
-        set(to, phase.constants[n.operand[0]]);
-        break;
-      case Op::add:
-        cc_.vaddpd(to, of(0), of(1));
-        break;
-      case Op::subtract:
-        cc_.vsubpd(to, of(0), of(1));
-        break;
-      case Op::multiply:
-        cc_.vmulpd(to, of(0), of(1));
-        break;
-      case Op::divide:
-        cc_.vdivpd(to, of(0), of(1));
-        break;
-      case Op::fma:
-        cc_.vmovapd(to, of(2));
-        cc_.vfmadd231pd(to, of(0), of(1));
-        break;
-      case Op::fnma:
-        cc_.vmovapd(to, of(2));
-        cc_.vfnmadd231pd(to, of(0), of(1));
-        break;
-      case Op::fms:
-        cc_.vmovapd(to, of(2));
-        cc_.vfmsub231pd(to, of(0), of(1));
-        break;
-      case Op::square_root:
-        cc_.vsqrtpd(to, of(0));
-        break;
-      case Op::absolute:
-        cc_.vpsllq(to, of(0), asmjit::imm(1));
-        cc_.vpsrlq(to, to, asmjit::imm(1));
-        break;
-      case Op::copy_sign: {
-        const x86::Vec sign = vector();
-        cc_.vpsrlq(sign, of(1), asmjit::imm(63));
-        cc_.vpsllq(sign, sign, asmjit::imm(63));
-        cc_.vpsllq(to, of(0), asmjit::imm(1));
-        cc_.vpsrlq(to, to, asmjit::imm(1));
-        if (width_ == 8) {
-          cc_.vporq(to, to, sign);
-        } else {
-          cc_.vpor(to, to, sign);
-        }
-        break;
+// Writes one function for all phases, over vectors of `width` lanes, of `lanes` lanes in memory. A value that is loaded
+// or constant is read where it is used. If registers run out, the value with the farthest next use leaves its register
+// (Belady, IBM Systems Journal 5, 1966), and is written to the stack unless it can be read again elsewhere.
+class Writer {
+ public:
+  Writer(int lanes, int width, bool avx512, asmjit::CodeHolder& code)
+      : lanes_(lanes), width_(width), avx512_(avx512), a_(&code), value_in_(avx512 ? 32 : 16, kFree) {}
+
+  // False if an operation is unknown. stack: vectors on the stack, from vectors_on_stack() of the same program.
+  [[nodiscard]] bool write(const StepProgram& program, std::size_t stack) {
+    constants_at_ = a_.newLabel();
+    a_.push(x86::rbp);
+    a_.mov(x86::rbp, x86::rsp);
+    for (const x86::Gp& r : kSaved) a_.push(r);
+    a_.sub(x86::rsp, static_cast<std::int32_t>((stack + 1) * kVector));
+    a_.and_(x86::rsp, -kVector);
+    find_bases(program);
+    for (const Phase& phase : program.phases) {
+      if (!phase.repeat_while) {
+        if (!write(phase)) return false;
+        continue;
       }
-      case Op::round:
-        if (width_ == 8) {
-          cc_.vrndscalepd(to, of(0), asmjit::imm(kNearest));
-        } else {
-          cc_.vroundpd(to, of(0), asmjit::imm(kNearest));
-        }
-        break;
-      case Op::larger:
-        cc_.vmaxpd(to, of(0), of(1));
-        break;
-      case Op::select:
-        choose(to, of(0), of(1), of(2), of(3));
-        break;
-      default:
-        return false;
+      const asmjit::Label again = a_.newLabel(), end = a_.newLabel();
+      jump_unless_positive(*phase.repeat_while, end);
+      a_.bind(again);
+      if (!write(phase)) return false;
+      jump_unless_positive(*phase.repeat_while, end);
+      a_.jmp(again);
+      a_.bind(end);
     }
-    values_.push_back(to);
+    a_.lea(x86::rsp, x86::ptr(x86::rbp, -8 * static_cast<std::int32_t>(std::size(kSaved))));
+    for (std::size_t k = std::size(kSaved); k > 0; --k) a_.pop(kSaved[k - 1]);
+    a_.pop(x86::rbp);
+    a_.vzeroupper();
+    a_.ret();
+    a_.align(asmjit::AlignMode::kData, kVector);
+    a_.bind(constants_at_);
+    for (const std::uint64_t bits : constants_) {
+      for (int l = 0; l < width_; ++l) a_.embed(&bits, sizeof bits);
+    }
     return true;
   }
 
+  // After write(): the most vectors that were on the stack at once.
+  [[nodiscard]] std::size_t vectors_on_stack() const { return slots_; }
+
+ private:
+  static constexpr std::uint32_t kFree = UINT32_MAX, kHeld = UINT32_MAX - 1;  // in value_in_
+  static constexpr std::int32_t kVector = 64;
+  static constexpr x86::Gp kSaved[] = {x86::rbx, x86::r12, x86::r13, x86::r14, x86::r15};
+  static constexpr x86::Gp kBases[] = {x86::rax, x86::rcx, x86::rdx, x86::rsi, x86::r8,  x86::r9, x86::r10,
+                                       x86::r11, x86::rbx, x86::r12, x86::r13, x86::r14, x86::r15};
+  static_assert(std::size(kBases) == kMemories);
+
+  // ---- memory
+
+  void find_bases(const StepProgram& program) {
+    std::array<bool, kMemories> used{};
+    for (const Phase& phase : program.phases) {
+      for (const Instruction& n : phase.code) {
+        if (n.op == Op::load) used[static_cast<std::size_t>(n.slot.memory)] = true;
+      }
+      for (const Phase::Store& s : phase.stores) used[static_cast<std::size_t>(s.to.memory)] = true;
+    }
+    for (std::size_t m = 0; m < kMemories; ++m) {
+      if (used[m]) a_.mov(kBases[m], x86::ptr(x86::rdi, static_cast<std::int32_t>(m) * 8));
+    }
+  }
+  x86::Mem slot(Slot s) const {
+    return x86::ptr(kBases[static_cast<std::size_t>(s.memory)], static_cast<std::int32_t>(s.index) * lanes_ * 8,
+                    bytes());
+  }
+  x86::Mem constant(std::uint64_t bits) {
+    const auto found = std::find(constants_.begin(), constants_.end(), bits);
+    const auto at = static_cast<std::int32_t>(found - constants_.begin());
+    if (found == constants_.end()) constants_.push_back(bits);
+    return x86::ptr(constants_at_, at * width_ * 8, bytes());
+  }
+  [[nodiscard]] std::uint32_t bytes() const { return static_cast<std::uint32_t>(width_) * 8; }
+  // Where a value without register is.
+  x86::Mem place_of(std::uint32_t value) {
+    const Instruction& n = phase_->code[value];
+    if (n.op == Op::load && slot_of_[value] == kFree) return slot(n.slot);
+    if (n.op == Op::constant) return constant(std::bit_cast<std::uint64_t>(phase_->constants[n.operand[0]]));
+    return x86::ptr(x86::rsp, static_cast<std::int32_t>(slot_of_[value]) * kVector, bytes());
+  }
+
+  // ---- registers
+
+  [[nodiscard]] x86::Vec vector(std::uint32_t r) const {
+    if (width_ == 8) return x86::zmm(r);
+    if (width_ == 4) return x86::ymm(r);
+    return x86::xmm(r);
+  }
+  [[nodiscard]] bool is_in_register(std::uint32_t value) const { return register_of_[value] != kFree; }
+  void hold(std::uint32_t r) { held_[r] = true; }  // for the instruction at hand
+  void put(std::uint32_t value, std::uint32_t r) {
+    value_in_[r] = value;
+    register_of_[value] = r;
+  }
+  void leave(std::uint32_t r) {
+    if (value_in_[r] < kHeld) register_of_[value_in_[r]] = kFree;
+    value_in_[r] = kFree;
+  }
+  [[nodiscard]] bool any_free() const {
+    for (std::uint32_t r = 0; r < value_in_.size(); ++r) {
+      if (value_in_[r] == kFree && !held_[r]) return true;
+    }
+    return false;
+  }
+  // A register for another value; it is held.
+  std::uint32_t take() {
+    std::uint32_t best = 0;
+    Point farthest = 0;
+    bool found = false;
+    for (std::uint32_t r = 0; r < value_in_.size(); ++r) {
+      if (held_[r]) continue;
+      const Point next = value_in_[r] == kFree ? kNever : uses_->next(value_in_[r], at_);
+      if (found && next <= farthest) continue;
+      found = true;
+      farthest = next;
+      best = r;
+    }
+    if (value_in_[best] != kFree) evict(best);
+    hold(best);
+    return best;
+  }
+  // A value that a store moves from slot to slot is read once, because stores may replace it before.
+  [[nodiscard]] bool can_read_again(std::uint32_t value) const {
+    const Op op = phase_->code[value].op;
+    return op == Op::constant || (op == Op::load && !is_moved_[value]);
+  }
+  void evict(std::uint32_t r) {
+    const std::uint32_t value = value_in_[r];
+    leave(r);
+    if (can_read_again(value) || slot_of_[value] != kFree) return;
+    if (free_slots_.empty()) free_slots_.push_back(slots_++);
+    slot_of_[value] = free_slots_.back();
+    free_slots_.pop_back();
+    move(place_of(value), vector(r));
+  }
+  [[nodiscard]] bool is_last_use(std::uint32_t value) { return uses_->next(value, at_ + 1) == kNever; }
+  // A value that is used no more leaves its register and the stack.
+  void release(std::uint32_t value) {
+    if (!is_last_use(value)) return;
+    if (is_in_register(value)) leave(register_of_[value]);
+    if (slot_of_[value] != kFree) free_slots_.push_back(std::exchange(slot_of_[value], kFree));
+  }
+  // The register of a value, which is held.
+  x86::Vec in_register(std::uint32_t value) {
+    if (!is_in_register(value)) {
+      const x86::Mem from = place_of(value);
+      const std::uint32_t r = take();
+      move(vector(r), from);
+      put(value, r);
+    }
+    hold(register_of_[value]);
+    return vector(register_of_[value]);
+  }
+  // True if an operand is better read from memory.
+  [[nodiscard]] bool stays_in_memory(std::uint32_t value) {
+    return !is_in_register(value) && (is_last_use(value) || !any_free());
+  }
+
+  // ---- instructions
+
+  void move(const x86::Vec& to, const x86::Mem& from) {
+    if (width_ == 1) {
+      a_.vmovsd(to.xmm(), from);
+    } else {
+      a_.vmovupd(to, from);
+    }
+  }
+  void move(const x86::Mem& to, const x86::Vec& from) {
+    if (width_ == 1) {
+      a_.vmovsd(to, from.xmm());
+    } else {
+      a_.vmovupd(to, from);
+    }
+  }
+  // Jumps if the slot is positive in no lane.
+  void jump_unless_positive(Slot s, const asmjit::Label& to) {
+    const asmjit::Imm greater(0x1e);  // false for NaN, quiet
+    const x86::Vec value = vector(0), zero = vector(1);
+    move(value, slot(s));
+    a_.vxorpd(x86::xmm1, x86::xmm1, x86::xmm1);
+    if (width_ == 8) {
+      a_.vcmppd(x86::k1, value, zero, greater);
+      a_.kortestb(x86::k1, x86::k1);
+    } else {
+      a_.vcmppd(value, value, zero, greater);
+      a_.vmovmskpd(x86::edi, value);
+      a_.test(x86::edi, x86::edi);
+    }
+    a_.jz(to);
+  }
+
+  [[nodiscard]] bool write(const Phase& phase) {
+    Uses uses(phase);
+    phase_ = &phase;
+    uses_ = &uses;
+    register_of_.assign(phase.code.size(), kFree);
+    slot_of_.assign(phase.code.size(), kFree);
+    std::fill(value_in_.begin(), value_in_.end(), kFree);
+    is_moved_.assign(phase.code.size(), false);
+    for (const Phase::Store& s : phase.stores) is_moved_[s.value] = true;
+    for (std::uint32_t i = 0; i < phase.code.size(); ++i) {
+      const Instruction& n = phase.code[i];
+      at_ = 2 * i;
+      held_ = {};
+      if (n.op == Op::load && is_moved_[i]) {
+        (void)in_register(i);
+      } else if (!can_read_again(i) && !write(n, i)) {
+        return false;
+      }
+      for (int k = 0; k < operands_of(n.op); ++k) release(n.operand[static_cast<std::size_t>(k)]);
+      at_ = 2 * i + 1;
+      for (const std::size_t s : uses.stores_behind(i)) {
+        held_ = {};
+        move(slot(phase.stores[s].to), in_register(phase.stores[s].value));
+      }
+      for (const std::size_t s : uses.stores_behind(i)) release(phase.stores[s].value);
+    }
+    return true;
+  }
+
+  // Chooses what the second operand is, a register or memory, and calls with(it).
+  template <class With>
+  void with_second(std::uint32_t value, const With& with) {
+    if (stays_in_memory(value)) {
+      with(place_of(value));
+    } else {
+      with(in_register(value));
+    }
+  }
+  // The register for the result; operands that are used no more leave theirs. Their places on the stack stay.
+  x86::Vec result(const Instruction& n) {
+    for (int k = 0; k < operands_of(n.op); ++k) {
+      const std::uint32_t value = n.operand[static_cast<std::size_t>(k)];
+      if (!is_in_register(value) || !is_last_use(value)) continue;
+      held_[register_of_[value]] = false;
+      leave(register_of_[value]);
+    }
+    const std::uint32_t r = take();
+    put(here_, r);
+    return vector(r);
+  }
+
+  [[nodiscard]] bool write(const Instruction& n, std::uint32_t index) {
+    here_ = index;
+    for (int k = 0; k < operands_of(n.op); ++k) {
+      if (const std::uint32_t r = register_of_[n.operand[static_cast<std::size_t>(k)]]; r != kFree) hold(r);
+    }
+    switch (n.op) {
+      case Op::add:
+        return binary(n, Inst::kIdVaddsd, Inst::kIdVaddpd);
+      case Op::subtract:
+        return binary(n, Inst::kIdVsubsd, Inst::kIdVsubpd);
+      case Op::multiply:
+        return binary(n, Inst::kIdVmulsd, Inst::kIdVmulpd);
+      case Op::divide:
+        return binary(n, Inst::kIdVdivsd, Inst::kIdVdivpd);
+      case Op::larger:
+        return binary(n, Inst::kIdVmaxsd, Inst::kIdVmaxpd);
+      case Op::fma:
+        return fused(n, Inst::kIdVfmadd231sd, Inst::kIdVfmadd231pd);
+      case Op::fnma:
+        return fused(n, Inst::kIdVfnmadd231sd, Inst::kIdVfnmadd231pd);
+      case Op::fms:
+        return fused(n, Inst::kIdVfmsub231sd, Inst::kIdVfmsub231pd);
+      case Op::square_root: {
+        const x86::Vec a = in_register(n.operand[0]);
+        a_.vsqrtpd(result(n), a);
+        return true;
+      }
+      case Op::absolute: {
+        const x86::Vec a = in_register(n.operand[0]);
+        const x86::Vec to = result(n);
+        if (width_ == 1) {
+          a_.vpsllq(to, a, 1);
+          a_.vpsrlq(to, to, 1);
+        } else if (avx512_) {
+          a_.vpandq(to, a, constant(kAllButSign));
+        } else {
+          a_.vpand(to, a, constant(kAllButSign));
+        }
+        return true;
+      }
+      case Op::copy_sign: {
+        const x86::Vec a = in_register(n.operand[0]), b = in_register(n.operand[1]);
+        const x86::Vec sign = vector(take()), to = vector(take());
+        a_.vpsrlq(sign, b, 63);
+        a_.vpsllq(sign, sign, 63);
+        a_.vpsllq(to, a, 1);
+        a_.vpsrlq(to, to, 1);
+        const x86::Vec into = result(n);
+        if (avx512_) {
+          a_.vporq(into, to, sign);
+        } else {
+          a_.vpor(into, to, sign);
+        }
+        return true;
+      }
+      case Op::round: {
+        constexpr int kNearest = 0x08;  // quiet
+        const x86::Vec a = in_register(n.operand[0]);
+        if (avx512_) {
+          a_.vrndscalepd(result(n), a, kNearest);
+        } else {
+          a_.vroundpd(result(n), a, kNearest);
+        }
+        return true;
+      }
+      case Op::select:
+        choose(n);
+        return true;
+      default:
+        return false;
+    }
+  }
+
+  // one: the instruction for a single lane.
+  bool binary(const Instruction& n, Inst::Id one, Inst::Id many) {
+    const bool commutes = n.op == Op::add || n.op == Op::multiply;
+    const bool swaps = commutes && stays_in_memory(n.operand[0]) && !stays_in_memory(n.operand[1]);
+    const x86::Vec a = in_register(n.operand[swaps ? 1 : 0]);
+    with_second(n.operand[swaps ? 0 : 1], [&](const auto& b) { a_.emit(width_ == 1 ? one : many, result(n), a, b); });
+    return true;
+  }
+  // The sum replaces its last operand.
+  bool fused(const Instruction& n, Inst::Id one, Inst::Id many) {
+    const std::uint32_t c = n.operand[2];
+    const bool swaps = stays_in_memory(n.operand[0]) && !stays_in_memory(n.operand[1]);
+    const x86::Vec a = in_register(n.operand[swaps ? 1 : 0]);
+    const auto finish = [&](const auto& b) {
+      const bool is_last = is_last_use(c) && c != n.operand[0] && c != n.operand[1];
+      std::uint32_t r = kFree;
+      if (is_last && is_in_register(c)) {
+        r = register_of_[c];
+        leave(r);
+      } else {
+        r = take();
+        if (is_in_register(c)) {
+          a_.vmovapd(vector(r), vector(register_of_[c]));
+        } else {
+          move(vector(r), place_of(c));
+        }
+      }
+      a_.emit(width_ == 1 ? one : many, vector(r), a, b);
+      put(here_, r);
+    };
+    with_second(n.operand[swaps ? 0 : 1], finish);
+    return true;
+  }
+  // a <= b ? yes : no
+  void choose(const Instruction& n) {
+    const asmjit::Imm less_or_equal(0x12);  // false for NaN, quiet
+    const Inst::Id compare = width_ == 1 ? Inst::kIdVcmpsd : Inst::kIdVcmppd;
+    const x86::Vec a = in_register(n.operand[0]);
+    if (avx512_) {
+      with_second(n.operand[1], [&](const auto& b) { a_.emit(compare, x86::k1, a, b, less_or_equal); });
+      const x86::Vec no = in_register(n.operand[3]), yes = in_register(n.operand[2]);
+      const x86::Vec to = result(n);
+      a_.k(x86::k1).vblendmpd(to, no, yes);
+    } else {
+      const x86::Vec mask = vector(take());
+      with_second(n.operand[1], [&](const auto& b) { a_.emit(compare, mask, a, b, less_or_equal); });
+      const x86::Vec no = in_register(n.operand[3]), yes = in_register(n.operand[2]);
+      a_.vblendvpd(result(n), no, yes, mask);
+    }
+  }
+
+  static constexpr std::uint64_t kAllButSign = ~std::uint64_t{0} >> 1;
+
   int lanes_, width_;
-  x86::Compiler cc_;
-  x86::Gp memory_;
-  std::vector<x86::Gp> base_;
-  std::vector<x86::Vec> values_;
+  bool avx512_;
+  x86::Assembler a_;
+  asmjit::Label constants_at_;
+  std::vector<std::uint64_t> constants_;
+  const Phase* phase_ = nullptr;
+  Uses* uses_ = nullptr;
+  Point at_ = 0;
+  std::uint32_t here_ = 0;                            // the instruction
+  std::vector<std::uint32_t> value_in_;               // registers: value, or kFree
+  std::array<bool, 32> held_{};                       // registers: needed by the instruction at hand
+  std::vector<std::uint32_t> register_of_, slot_of_;  // values; kFree: none
+  std::vector<bool> is_moved_;                        // values that stores take
+  std::vector<std::uint32_t> free_slots_;             // of the stack
+  std::uint32_t slots_ = 0;
+};
+
+struct Trouble : asmjit::ErrorHandler {
+  void handleError(asmjit::Error, const char*, asmjit::BaseEmitter*) override { any = true; }
+  bool any = false;
 };
 
 class MachineCode final : public Executor {
  public:
   MachineCode(int lanes, int width) : lanes_(lanes), width_(width) {}
 
-  [[nodiscard]] bool compile(const StepProgram& program, ProtectCode protect) {
-    asmjit::CodeHolder code;
-    if (code.init(asmjit::Environment::host()) != asmjit::kErrorOk) return false;
-    Writer writer(lanes_, width_, code);
-    std::vector<asmjit::Label> labels(program.phases.size());
-    for (std::size_t p = 0; p < labels.size(); ++p) {
-      if (!writer.function(program.phases[p], labels[p])) return false;
+  [[nodiscard]] bool compile(const StepProgram& program, bool avx512, ProtectCode protect) {
+    std::size_t stack = 0;
+    for (const bool is_last : {false, true}) {  // the first time tells how many vectors are on the stack
+      asmjit::CodeHolder code;
+      Trouble trouble;
+      if (code.init(asmjit::Environment::host()) != asmjit::kErrorOk) return false;
+      code.setErrorHandler(&trouble);
+      Writer writer(lanes_, width_, avx512, code);
+      if (!writer.write(program, stack) || trouble.any) return false;
+      stack = writer.vectors_on_stack();
+      if (is_last && !code_.take(code, protect)) return false;
     }
-    if (!writer.finish() || !code_.take(code, protect)) return false;
-    for (std::size_t p = 0; p < labels.size(); ++p) {
-      phases_.push_back(
-          {code_.function(static_cast<std::size_t>(code.labelOffset(labels[p]))), program.phases[p].repeat_while});
-    }
+    function_ = code_.function();
     return true;
   }
 
@@ -229,34 +516,14 @@ class MachineCode final : public Executor {
     for (int first = 0; first < lanes_; first += width_) {
       double* here[kMemories];
       for (std::size_t m = 0; m < kMemories; ++m) here[m] = memory[m] + first;
-      for (const auto& [function, repeat_while] : phases_) {
-        if (!repeat_while) {
-          function(here);
-          continue;
-        }
-        const double* const slot = here[static_cast<std::size_t>(repeat_while->memory)] +
-                                   static_cast<std::size_t>(lanes_) * repeat_while->index;
-        while (is_positive(slot)) function(here);
-      }
+      function_(here);
     }
   }
 
  private:
-  struct Part {
-    Function function;
-    std::optional<Slot> repeat_while;
-  };
-
-  [[nodiscard]] bool is_positive(const double* slot) const {
-    for (int l = 0; l < width_; ++l) {
-      if (slot[l] > 0) return true;
-    }
-    return false;
-  }
-
   int lanes_, width_;
   Code code_;
-  std::vector<Part> phases_;
+  Function function_ = nullptr;
 };
 
 }  // namespace
@@ -268,7 +535,7 @@ std::unique_ptr<Executor> make_machine_code(const StepProgram& program, int lane
   const bool wide = vectors == VectorCode::avx512;
   if ((static_cast<std::int64_t>(hwy::SupportedTargets()) & (wide ? HWY_AVX3 : HWY_AVX2)) == 0) return nullptr;
   auto code = std::make_unique<MachineCode>(lanes, std::min(lanes, wide ? 8 : 4));
-  if (!code->compile(program, protect)) return nullptr;
+  if (!code->compile(program, wide, protect)) return nullptr;
   return code;
 }
 

@@ -24,26 +24,11 @@
 #include "path/levels.hpp"
 #include "path/mechanism.hpp"
 #include "path/state.hpp"
+#include "path/stride.hpp"
 #include "path/together.hpp"
 #include "signals/inputs.hpp"
 
 namespace assur {
-
-// Length of the steps to try: halved if a step fails, and multiplied by `growth` after `patience` steps that arrived.
-struct Stride {
-  double length = kInfinity;
-  int patience = 1;
-  double growth = 2;
-  int arrived = 0;
-
-  void set(double to) {
-    length = to;
-    arrived = 0;
-  }
-  void arrive() {
-    if (++arrived == patience) set(growth * length);
-  }
-};
 
 // The motion of one mechanism.
 class Continuation {

@@ -11,7 +11,7 @@ namespace assur {
 namespace {
 
 constexpr double kShortest = 0x1p-6;  // step; one mechanism alone takes steps of its own
-constexpr int kSure = 2;              // steps after which a longer one is tried
+constexpr Stride kFirst{.length = 1, .patience = 2};
 
 Law line(double from, double change) { return Law::polynomial({from, change}); }
 
@@ -119,16 +119,15 @@ Status WalkInLanes::follow(std::vector<std::size_t>& in_tile) {
   }
   if (const Status s = tile_->start(variants); !s.ok()) return s;
   Status s;
-  for (int sure = 0; at_ < 1 && s.ok();) {
-    const double to = at_ + length_ < 1 ? at_ + length_ : 1;
+  while (at_ < 1 && s.ok()) {
+    const double to = std::min(at_ + stride_.length, 1.0);
     s = tile_->step(std::vector<double>(in_tile.size(), to));
     if (s.ok()) {
       at_ = to;
-      if (++sure % kSure == 0) length_ *= 2;
-    } else if (length_ > kShortest) {
+      stride_.arrive();
+    } else if (stride_.length > kShortest) {
       s = {};
-      sure = 0;
-      length_ /= 2;
+      stride_.set(stride_.length / 2);
     }
   }
   for (std::size_t lane = 0; lane < in_tile.size(); ++lane) {
@@ -146,7 +145,7 @@ void WalkInLanes::run() {
   std::vector<std::size_t> in_tile(members_);
   std::iota(in_tile.begin(), in_tile.end(), 0);
   at_ = 0;
-  length_ = 1;
+  stride_ = kFirst;
   while (!in_tile.empty()) {
     const Status s = follow(in_tile);
     if (s.ok()) break;

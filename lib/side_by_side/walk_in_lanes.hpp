@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "path/stride.hpp"
 #include "side_by_side/tile.hpp"
 #include "structure/walk.hpp"
 
@@ -44,8 +45,8 @@ class WalkInLanes {
   std::vector<Lane> lanes_;
   std::optional<Tile> tile_;
   std::size_t members_ = 0;
-  double at_ = 0;      // s
-  double length_ = 1;  // of a step
+  double at_ = 0;  // s
+  Stride stride_;
 };
 
 }  // namespace assur
