@@ -29,7 +29,7 @@ check_order(${TUNER} measure output sweep pictures check tuning report commands 
 
 set(lib_layers version.hpp status.hpp status.cpp machine.hpp parallel backend.hpp strategy.hpp strategy.cpp backends
   report.hpp report.cpp status_text.hpp status_text.cpp law.hpp scene.hpp scene mjcf.hpp mjcf structure.hpp structure
-  equations performance.hpp plan.hpp saved_plan.hpp planning modes.hpp modes rows.hpp signals group program execute
+  equations program execute performance.hpp plan.hpp saved_plan.hpp planning modes.hpp modes rows.hpp signals group
   step_limits.hpp path errors jacobian.hpp simulator.hpp motion_range.hpp simulation ensemble.hpp side_by_side verification
   curve.hpp fleet.hpp fleet print.hpp print.cpp eigen.hpp assur.hpp assur.h c db)
 check_order(${INCLUDE} ${lib_layers})

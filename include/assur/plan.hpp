@@ -17,6 +17,8 @@
 
 namespace assur {
 
+class StepCode;  // machine code for steps; for use inside the library
+
 // The solvers of a run: one choice for each class of a structure. At most Choice::threads packs of a class, at most
 // level_threads packs of a level, and never more than run.threads packs are solved at once.
 struct Plan {
@@ -70,6 +72,9 @@ struct PrepareOptions {
   // Largest forward error (ErrorFigures) that any output may have, e.g. 1e-8; a larger value may save time. 0: as exact
   // as doubles allow. Steps with a larger estimated error carry Code::inaccurate; with 0, those above kDoubtfulError.
   double accuracy = 0;
+  // False: no step runs as machine code that is made while the program runs. (It is made for groups of two and three
+  // unknowns on x86-64, if assur was built with AsmJit; the command `assur backends` tells.)
+  bool machine_code = true;
 };
 
 // A scene that is ready to run, as prepare() or load_plan() returns it. Any number of simulators may share its parts,
@@ -89,6 +94,7 @@ struct Prepared {
   // internal units) and time. Empty if the scene has no redundant equations, or if load_plan() made this. Throws like
   // prepare().
   std::function<Prepared(std::vector<double> posture, double time)> reselect;
+  std::shared_ptr<StepCode> code = nullptr;  // for use inside the library; null: without machine code
 };
 
 // Analyses the scene, assembles its start posture and makes a plan. Several threads may prepare scenes at once. Needs

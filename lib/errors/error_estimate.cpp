@@ -6,7 +6,7 @@
 
 #include "errors/angle_output.hpp"
 #include "errors/law_rounding.hpp"
-#include "group/step_rules.hpp"
+#include "program/step_rules.hpp"
 #include "index.hpp"
 #include "numbers.hpp"
 #include "scene/outputs.hpp"

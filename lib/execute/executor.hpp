@@ -16,8 +16,8 @@ class Executor {
   virtual ~Executor() = default;
 
   // memory[m]: the slots of Memory m, each with a number for every lane. The processor must round to nearest and keep
-  // subnormal numbers.
-  virtual void run(const std::array<double*, kMemories>& memory) = 0;
+  // subnormal numbers. Several threads may run machine code at once, but not an interpreter.
+  virtual void run(const std::array<double*, kMemories>& memory) const = 0;
 };
 
 // Lists of operations, read over vectors of lanes: for every processor. Null if it does not know an operation of the

@@ -39,7 +39,7 @@ class Interpreter final : public Executor {
     values_.assign(places * W, 0.0);
   }
 
-  void run(const std::array<double*, kMemories>& memory) override {
+  void run(const std::array<double*, kMemories>& memory) const override {
     double* from[kSources];
     std::copy(memory.begin(), memory.end(), from);
     from[kValues] = values_.data();
@@ -193,8 +193,8 @@ class Interpreter final : public Executor {
     }
   }
 
-  std::vector<Listing> phases_;
-  LaneArray values_;
+  mutable std::vector<Listing> phases_;
+  mutable LaneArray values_;  // of the run at hand
 };
 
 Executor* make(const StepProgram& program, int lanes) {

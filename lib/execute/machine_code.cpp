@@ -512,8 +512,9 @@ class MachineCode final : public Executor {
     return true;
   }
 
-  void run(const std::array<double*, kMemories>& memory) override {
-    for (int first = 0; first < lanes_; first += width_) {
+  void run(const std::array<double*, kMemories>& memory) const override {
+    function_(memory.data());
+    for (int first = width_; first < lanes_; first += width_) {
       double* here[kMemories];
       for (std::size_t m = 0; m < kMemories; ++m) here[m] = memory[m] + first;
       function_(here);

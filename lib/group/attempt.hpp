@@ -6,7 +6,7 @@
 
 #include "assur/report.hpp"
 #include "group/pack_limit.hpp"
-#include "group/step_rules.hpp"
+#include "program/step_rules.hpp"
 #include "numbers.hpp"
 
 namespace assur {

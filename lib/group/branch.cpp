@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "group/step_rules.hpp"
+#include "program/step_rules.hpp"
 #include "index.hpp"
 #include "numbers.hpp"
 

@@ -11,7 +11,7 @@
 #include <type_traits>
 
 #include "backends/residual.hpp"
-#include "group/step_rules.hpp"
+#include "program/step_rules.hpp"
 #include "numbers.hpp"
 #include "signals/random_sign.hpp"
 

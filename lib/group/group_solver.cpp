@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "backends/small_steps.hpp"
+#include "group/coded_step.hpp"
 #include "index.hpp"
 #include "numbers.hpp"
 #include "scene/residual_scale.hpp"
@@ -10,15 +11,13 @@
 namespace assur {
 
 GroupSolver::GroupSolver(const System& system, const Structure& structure, std::int32_t group_class,
-                         const Plan::Choice& choice, std::span<const Backend> table)
+                         const Plan::Choice& choice, std::span<const Backend> table, StepCode* code)
     : work_(system, structure.classes[idx(group_class)], structure.pattern(group_class), choice.solver.lanes),
       solver_(work_, choice, table),
       guard_(work_, solver_),
       step_(work_, solver_, guard_, choice.solver),
       probe_(system, work_, solver_, guard_.blocks()) {
-  if (has_small_steps(choice.solver)) {
-    small_step_ = make_small_step(work_.group_class, work_.program, guard_.blocks(), work_.lanes);
-  }
+  if (has_small_steps(choice.solver)) small_step_ = fastest_small_step(work_, guard_.blocks(), code);
 }
 
 void GroupSolver::size(Pack& pack) const {
@@ -98,9 +97,9 @@ bool GroupSolver::small_step(Pack& pack, double* const (&state)[3], const Attemp
 
 Status GroupSolver::renew_anchor(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters) {
   pack.keep_anchor(attempt.number);
-  small_step_->choose_pivots(pack, state[0]);
   work_.set_inputs(pack, state[0]);
   work_.evaluate(state[0] + pack.unknowns);
+  small_step_->choose_pivots(pack, state[0]);
   return guard_.check(pack, state, attempt, counters);
 }
 

@@ -1,5 +1,5 @@
 // Solves the packs of one group class: Newton's method under the guard of the branch. Small groups do the same in
-// registers.
+// registers, by machine code where there is some.
 #pragma once
 
 #include <cstdint>
@@ -7,6 +7,7 @@
 #include <span>
 
 #include "assur/plan.hpp"
+#include "execute/step_code.hpp"
 #include "group/attempt.hpp"
 #include "group/branch_guard.hpp"
 #include "group/error_probe.hpp"
@@ -22,9 +23,9 @@ namespace assur {
 // Solver of one class.
 class GroupSolver {
  public:
-  // Throws Error (environment) if the backend cannot run here.
+  // code: null, or machine code for small groups. Throws Error (environment) if the backend cannot run here.
   GroupSolver(const System& system, const Structure& structure, std::int32_t group_class, const Plan::Choice& choice,
-              std::span<const Backend> table);
+              std::span<const Backend> table, StepCode* code = nullptr);
 
   [[nodiscard]] int lanes() const { return work_.lanes; }
   [[nodiscard]] const Program& program() const { return work_.program; }

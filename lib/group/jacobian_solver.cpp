@@ -8,7 +8,7 @@
 
 #include "backends/refined.hpp"
 #include "backends/residual.hpp"
-#include "group/step_rules.hpp"
+#include "program/step_rules.hpp"
 
 namespace assur {
 

@@ -39,6 +39,17 @@ struct Kernels {
     }
   }
 
+  static void gather_all(const InputRow* rows, const std::int32_t* addresses, std::int32_t count,
+                         const double* const* states, double* const* outs, std::int32_t orders) {
+    for (std::int32_t i = 0; i < count; ++i, addresses += W) {
+      for (std::int32_t d = 0; d < orders; ++d) gather_input<W>(rows[i], addresses, states[d]).store(outs[d] + i * W);
+    }
+  }
+
+  static void row_maxima(const double* numbers, std::int32_t rows, double* out) {
+    for (std::int32_t i = 0; i < rows; ++i) out[i] = L::load(numbers + i * W).largest();
+  }
+
   static void invert_scale(double* scale, std::int32_t count) {
     const L one = L::set(1);
     for (std::int32_t i = 0; i < count; ++i, scale += W)
@@ -122,6 +133,8 @@ struct Kernels {
 template <int W>
 constexpr PackKernels kTable = {combine,
                                 Kernels<W>::gather,
+                                Kernels<W>::gather_all,
+                                Kernels<W>::row_maxima,
                                 Kernels<W>::invert_scale,
                                 Kernels<W>::largest_ratio,
                                 Kernels<W>::correct,

@@ -25,6 +25,13 @@ struct PackKernels {
   void (*gather)(const InputRow* rows, const std::int32_t* addresses, std::int32_t count, const double* state,
                  double* out);
 
+  // The same for several arrays: states and outs have `orders` of them.
+  void (*gather_all)(const InputRow* rows, const std::int32_t* addresses, std::int32_t count,
+                     const double* const* states, double* const* outs, std::int32_t orders);
+
+  // out[i]: the largest number of row i
+  void (*row_maxima)(const double* numbers, std::int32_t rows, double* out);
+
   // Replaces each scale by 1 / scale, or by 1 if it is not positive or NaN.
   void (*invert_scale)(double* scale, std::int32_t count);
 

@@ -13,7 +13,7 @@
 #include <utility>
 
 #include "equations/separable.hpp"
-#include "group/step_rules.hpp"
+#include "program/step_rules.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace assur::HWY_NAMESPACE {

@@ -24,7 +24,8 @@ class SmallStep {
  public:
   virtual ~SmallStep() = default;
 
-  // Chooses the order of the rows in each lane at a posture; run() needs it. The first call allocates memory.
+  // Chooses the order of the rows in each lane at a posture, which the workspace of GroupSolver has evaluated; run()
+  // needs it. The first call allocates memory.
   virtual void choose_pivots(Pack& pack, const double* state) = 0;
 
   // Tries the step. state[d]: d-th derivative of all coordinates, with the prediction in the unknowns of the pack.

@@ -14,7 +14,7 @@
 #include <utility>
 
 #include "equations/separable.hpp"
-#include "group/step_rules.hpp"
+#include "program/step_rules.hpp"
 #include "index.hpp"
 
 HWY_BEFORE_NAMESPACE();

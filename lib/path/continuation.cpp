@@ -6,7 +6,7 @@
 
 #include "assur/status.hpp"
 #include "decimal.hpp"
-#include "group/step_rules.hpp"
+#include "program/step_rules.hpp"
 #include "index.hpp"
 #include "numbers.hpp"
 #include "path/near_pass.hpp"

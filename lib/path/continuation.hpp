@@ -15,7 +15,7 @@
 #include "assur/plan.hpp"
 #include "assur/report.hpp"
 #include "assur/step_limits.hpp"
-#include "group/step_rules.hpp"
+#include "program/step_rules.hpp"
 #include "numbers.hpp"
 #include "path/approach.hpp"
 #include "path/bows.hpp"

@@ -81,7 +81,7 @@ std::vector<std::unique_ptr<GroupSolver>> make_solvers(const Prepared& prepared,
   for (Plan::Choice choice : prepared.plan.choices) {
     if (lanes > 0) choice.solver.lanes = lanes;
     solvers.push_back(std::make_unique<GroupSolver>(*prepared.structure->system, *prepared.structure,
-                                                    choice.group_class, choice, prepared.table));
+                                                    choice.group_class, choice, prepared.table, prepared.code.get()));
   }
   return solvers;
 }

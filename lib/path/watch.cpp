@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "group/step_rules.hpp"
+#include "program/step_rules.hpp"
 
 namespace assur {
 

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "assur/plan.hpp"
+#include "execute/step_code.hpp"
 #include "parallel/machine.hpp"
 #include "planning/candidates.hpp"
 #include "planning/counts.hpp"
@@ -248,6 +249,7 @@ Prepared finished(const Scene& scene, const PrepareOptions& options, Choice& cho
   out.time = scene.time();
   out.controlled = options.controlled;
   out.table = backends();
+  if (options.machine_code) out.code = step_code();
   out.plan = std::move(choice.plan);
   if (!choice.structure->redundant.empty()) {
     out.reselect = [scene, options](std::vector<double> at, double t) {

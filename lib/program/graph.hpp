@@ -4,6 +4,7 @@
 #include <bit>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <tuple>
 #include <vector>
 
@@ -42,6 +43,7 @@ class Graph {
 
   Value add(const Node& node);
   [[nodiscard]] bool is(Value v, double number) const;
+  [[nodiscard]] std::optional<Value> negated(Value v);
 
   std::vector<Node> nodes_;
   std::map<Key, std::uint32_t> known_;

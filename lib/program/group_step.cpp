@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "backends/lanes_factors.hpp"
-#include "group/step_rules.hpp"
+#include "program/step_rules.hpp"
 #include "index.hpp"
 #include "program/graph.hpp"
 
@@ -239,8 +239,12 @@ class Factors {
     }
     Value largest_u = in.number(1);
     poor_ = in.number(0);
+    // The second of two pivots is determinant / first, so that both divisions run at the same time.
+    const Column quotient = n_ == 2 ? Column{in.number(1) / f_[0][0],
+                                             f_[0][0] / (f_[0][0] * f_[1][1] - f_[1][0] * f_[0][1])}
+                                    : Column();
     for (std::size_t k = 0; k < n_; ++k) {
-      reciprocal_.push_back(in.number(1) / f_[k][k]);
+      reciprocal_.push_back(n_ == 2 ? quotient[k] : in.number(1) / f_[k][k]);
       const Value of_pivot = f_[k][k] * f_[k][k];
       Value of_l = of_pivot, of_u = in.number(0);
       for (std::size_t j = 0; j < k; ++j) of_l = of_l + f_[k][j] * f_[k][j];

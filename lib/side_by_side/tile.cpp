@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "group/step_rules.hpp"
+#include "program/step_rules.hpp"
 #include "index.hpp"
 #include "numbers.hpp"
 #include "scene/residual_scale.hpp"

@@ -13,7 +13,7 @@
 
 #include "assur/simulator.hpp"
 #include "errors/error_estimate.hpp"
-#include "group/step_rules.hpp"
+#include "program/step_rules.hpp"
 #include "index.hpp"
 #include "numbers.hpp"
 #include "path/continuation.hpp"

@@ -13,7 +13,7 @@
 #include "equations/evaluator.hpp"
 #include "execute/executors.hpp"
 #include "group/branch.hpp"
-#include "group/step_rules.hpp"
+#include "program/step_rules.hpp"
 #include "index.hpp"
 #include "scene/shipped_files.hpp"
 #include "scene/system.hpp"

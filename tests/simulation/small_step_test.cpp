@@ -1,6 +1,6 @@
 // The fused step of a small group equals the step of GroupSolver.
 #include "group/small_step.hpp"
-#include "group/step_rules.hpp"
+#include "program/step_rules.hpp"
 
 #include <gtest/gtest.h>
 

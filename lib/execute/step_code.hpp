@@ -1,0 +1,28 @@
+// Machine code for the steps of groups, which all simulators of a process share.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "assur/structure.hpp"
+#include "equations/program.hpp"
+#include "execute/executor.hpp"
+
+namespace assur {
+
+class StepCode {
+ public:
+  virtual ~StepCode() = default;
+
+  // The code of group_step() for this number of lanes. It is made once, and then again only if many other classes were
+  // asked for since. Null if there is none. Several threads may call it at once.
+  [[nodiscard]] virtual std::shared_ptr<const Executor> of(const GroupClass& group_class, const Program& equations,
+                                                           std::span<const std::int32_t> reads, int lanes) = 0;
+};
+
+// The best vectors of this processor; null if it cannot run machine code, or if this build makes none. Needs the
+// library assur::assur.
+[[nodiscard]] std::shared_ptr<StepCode> step_code();
+
+}  // namespace assur
