@@ -16,6 +16,8 @@ class SharedCode final : public StepCode {
  public:
   explicit SharedCode(VectorCode vectors) : vectors_(vectors) {}
 
+  [[nodiscard]] std::string vectors() const override { return vectors_ == VectorCode::avx512 ? "AVX-512" : "AVX2"; }
+
   std::shared_ptr<const Executor> of(const GroupClass& group_class, const Program& equations,
                                      std::span<const std::int32_t> reads, int lanes) override {
     const std::lock_guard lock(mutex_);

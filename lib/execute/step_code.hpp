@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <string>
 
 #include "assur/structure.hpp"
 #include "equations/program.hpp"
@@ -14,6 +15,9 @@ namespace assur {
 class StepCode {
  public:
   virtual ~StepCode() = default;
+
+  // "AVX-512" or "AVX2"
+  [[nodiscard]] virtual std::string vectors() const = 0;
 
   // The code of group_step() for this number of lanes. It is made once, and then again only if many other classes were
   // asked for since. Null if there is none. Several threads may call it at once.

@@ -1,5 +1,6 @@
 // The fused step of a small group equals the step of GroupSolver.
 #include "group/small_step.hpp"
+#include "group/coded_step.hpp"
 #include "program/step_rules.hpp"
 
 #include <gtest/gtest.h>
@@ -36,9 +37,9 @@ double largest(const std::vector<double>& v) {
 }
 
 // Computes the start posture with random rates of all moving inputs, first by GroupSolver, then as a small step from an
-// inexact prediction.
-void expect_the_same_step(const Scene& scene, const std::string& strategy) {
-  SCOPED_TRACE(scene.name() + " " + strategy);
+// inexact prediction. code: null, or the small step is machine code.
+void expect_the_same_step(const Scene& scene, const std::string& strategy, StepCode* code) {
+  SCOPED_TRACE(scene.name() + " " + strategy + (code != nullptr ? ", machine code" : ""));
   const Prepared prepared = prepare(scene, {strategy, {}});
   const Structure& structure = *prepared.structure;
   Layout layout = lay_out(prepared);
@@ -72,7 +73,14 @@ void expect_the_same_step(const Scene& scene, const std::string& strategy) {
     ASSERT_TRUE(solver.solve(pack, wanted.pointers().at, attempt, counters, errors).ok());
 
     const BlockConditions blocks(group_class, solver.program(), solver.lanes());
-    const auto step = make_small_step(group_class, solver.program(), blocks, solver.lanes());
+    Workspace work(*structure.system, group_class, structure.pattern(pack.group_class), solver.lanes());
+    std::unique_ptr<SmallStep> step;
+    if (code != nullptr) {
+      step =
+          std::make_unique<CodedStep>(work, code->of(group_class, solver.program(), blocks.reads(0), solver.lanes()));
+    } else {
+      step = make_small_step(group_class, solver.program(), blocks, solver.lanes());
+    }
     if (!step) continue;
     ++small;
     State found = wanted;
@@ -84,6 +92,8 @@ void expect_the_same_step(const Scene& scene, const std::string& strategy) {
       found.values[0][pack.unknowns + i] += 0.1 / omega * std::cos(static_cast<double>(i / lanes * lanes + lane));
       for (int d : {1, 2}) found.values[d][pack.unknowns + i] = 7;
     }
+    work.set_inputs(pack, found.values[0].data());
+    work.evaluate(found.values[0].data() + pack.unknowns);
     step->choose_pivots(pack, found.values[0].data());
     State moved = found;
     SmallStepFigures figures;
@@ -114,12 +124,35 @@ void expect_the_same_step(const Scene& scene, const std::string& strategy) {
 }
 
 TEST(SmallStep, EqualsTheStepOfGroupSolver) {
-  for (const char* lanes : {"lanes", "lanes:2", "lanes:4", "lanes:8"}) {
-    expect_the_same_step(sample("stewart"), std::string("irreducible/") + lanes);
-    expect_the_same_step(sample("andrews"), std::string("irreducible/") + lanes);
+  const std::shared_ptr<StepCode> code = step_code();
+  for (StepCode* const one : {static_cast<StepCode*>(nullptr), code.get()}) {
+    for (const char* lanes : {"lanes", "lanes:2", "lanes:4", "lanes:8"}) {
+      expect_the_same_step(sample("stewart"), std::string("irreducible/") + lanes, one);
+      expect_the_same_step(sample("andrews"), std::string("irreducible/") + lanes, one);
+    }
+    expect_the_same_step(sample("four_bar:3"), "irreducible/lanes", one);
+    expect_the_same_step(sample("slider_crank"), "irreducible/lanes", one);
+    if (one != nullptr) expect_the_same_step(sample("stewart:platforms=3"), "irreducible/lanes:16", one);
   }
-  expect_the_same_step(sample("four_bar:3"), "irreducible/lanes");
-  expect_the_same_step(sample("slider_crank"), "irreducible/lanes");
+}
+
+// Code is made once for a class and a number of lanes. Switched off, kernels take its place.
+TEST(SmallStep, SharesMachineCode) {
+  const Prepared p = prepare(sample("stewart"), {.strategy = "irreducible/lanes:8"});
+  EXPECT_EQ(p.code, step_code());
+  PrepareOptions off{.strategy = "irreducible/lanes:8"};
+  off.machine_code = false;
+  EXPECT_EQ(prepare(sample("stewart"), off).code, nullptr);
+  if (!p.code) GTEST_SKIP() << "this processor or this build has no machine code";
+  const GroupClass& c = p.structure->classes[0];
+  const Program program = compile(c, p.structure->pattern(0));
+  const BlockConditions blocks(c, program, 8);
+  const auto eight = p.code->of(c, program, blocks.reads(0), 8);
+  ASSERT_NE(eight, nullptr);
+  EXPECT_EQ(p.code->of(c, program, blocks.reads(0), 8), eight);
+  EXPECT_NE(p.code->of(c, program, blocks.reads(0), 4), eight);
+  const Trajectory with = Simulator(p).run(), without = Simulator(prepare(sample("stewart"), off)).run();
+  EXPECT_LE(test::difference(with, without), kTolerance);
 }
 
 TEST(SmallStep, GivesTheSameMotion) {

@@ -2,6 +2,7 @@
 
 #include "assur/backend.hpp"
 #include "commands/commands.hpp"
+#include "execute/step_code.hpp"
 #include "output/json.hpp"
 #include "output/notes.hpp"
 #include "output/page.hpp"
@@ -28,7 +29,8 @@ Json to_json(const std::vector<Row>& rows) {
                     {"licence", row.backend.licence},
                     {"steady", row.backend.steady}});
   }
-  return {{"backends", std::move(list)}};
+  const auto code = step_code();
+  return {{"backends", std::move(list)}, {"machine_code", code ? Json(code->vectors()) : Json(nullptr)}};
 }
 
 void print(output::Page& page, const std::vector<Row>& rows) {
@@ -42,6 +44,9 @@ void print(output::Page& page, const std::vector<Row>& rows) {
   page.table(table);
   page.gap();
   page.fact("steady", "allocates nothing after the first factorisation");
+  const auto code = step_code();
+  page.fact("machine code", code ? code->vectors() + ", for steps of small groups with the backend lanes"
+                                 : "none: it needs x86-64 with AVX2, and a build with AsmJit");
   for (const Row& row : rows) {
     if (!row.why_not.empty()) page.fact(row.backend.id, row.why_not);
   }
