@@ -6,6 +6,7 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <cstdio>
 #include <utility>
 #include <vector>
 
@@ -143,7 +144,7 @@ class Writer {
   [[nodiscard]] std::size_t vectors_on_stack() const { return slots_; }
 
  private:
-  static constexpr std::uint32_t kFree = UINT32_MAX, kHeld = UINT32_MAX - 1;  // in value_in_
+  static constexpr std::uint32_t kFree = UINT32_MAX;  // no value, no register, no place on the stack
   static constexpr std::int32_t kVector = 64;
   static constexpr x86::Gp kSaved[] = {x86::rbx, x86::r12, x86::r13, x86::r14, x86::r15};
   static constexpr x86::Gp kBases[] = {x86::rax, x86::rcx, x86::rdx, x86::rsi, x86::r8,  x86::r9, x86::r10,
@@ -197,7 +198,7 @@ class Writer {
     register_of_[value] = r;
   }
   void leave(std::uint32_t r) {
-    if (value_in_[r] < kHeld) register_of_[value_in_[r]] = kFree;
+    if (value_in_[r] != kFree) register_of_[value_in_[r]] = kFree;
     value_in_[r] = kFree;
   }
   [[nodiscard]] bool any_free() const {
@@ -541,3 +542,15 @@ std::unique_ptr<Executor> make_machine_code(const StepProgram& program, int lane
 }
 
 }  // namespace assur
+
+// What code in a shared object means by stderr, where the linker is asked to wrap it: see lib/CMakeLists.txt. AsmJit
+// writes there only what its assertions say, and Debian builds it without them.
+extern "C" {
+// NOLINTBEGIN(bugprone-reserved-identifier): the linker's names
+extern FILE* __real_stderr __attribute__((weak));  // stderr; null where nothing is wrapped
+__attribute__((visibility("hidden"))) FILE* __wrap_stderr = nullptr;
+__attribute__((constructor)) static void take_stderr() {
+  if (&__real_stderr != nullptr) __wrap_stderr = __real_stderr;
+}
+// NOLINTEND(bugprone-reserved-identifier)
+}

@@ -65,7 +65,7 @@ struct RunOptions {
   std::vector<std::string> outputs;   // empty: those of the scene
   std::string strategy = "auto";
   std::vector<std::string> without;  // backends that `auto` leaves out
-  bool machine_code = true;          // PrepareOptions::machine_code
+  bool machine_code = false;         // PrepareOptions::machine_code
   std::optional<Mode> mode;          // empty: throughput for an ensemble or a strategy with chunks, else latency
   std::string ensemble;              // CSV of parameters, a row for each member; empty: no ensemble
   double accuracy = 0;               // PrepareOptions::accuracy
