@@ -31,6 +31,10 @@ constexpr std::size_t kMostRecorded = 8;   // members at which the computation m
 constexpr std::size_t kMostVerified = 16;  // members at which a recorded computation may be checked
 constexpr std::size_t kEnoughVerified = 3;
 
+// Internal units. The end of a walk depends on the other lanes in its last bits. It is rounded to multiples of kGrain,
+// from which the lanes solve it again, so that members have the same bits whatever is beside them; within kBlurred of
+// the border between two multiples a member walks alone.
+constexpr double kGrain = 0x1p-26, kBlurred = 1e-11;
 constexpr double kAsGuessed = 1e-12;  // internal units
 constexpr double kAsDrawn = 1e-9;     // relative residual of a posture as written that is closed but for rounding
 
@@ -110,7 +114,7 @@ class ValueTable::Binder : public MemberBinder {
     Walker w;
     if (!place_as_written(s, i, w) || !close(s, parts, w.q)) return false;
     if (w.moves && walk(s, parts, w.way, w.q).end != Walked::End::arrived) return false;
-    return arrive(s, w);
+    return arrive(s, w, true);
   }
 
   [[nodiscard]] bool is_start(const Variant& guess, std::span<const double> posture) const override {
@@ -210,7 +214,7 @@ class ValueTable::Binder : public MemberBinder {
 
   // Gives the lane the posture at the end of its way. False if that is not the start that prepare() would find, because
   // drivers have not the values of their laws.
-  [[nodiscard]] bool arrive(const System& s, Walker& w) {
+  [[nodiscard]] bool arrive(const System& s, Walker& w, bool was_alone) {
     for (const WalkedPart& p : table_.assembly_->parts) {
       for (const Index u : p.unknowns) w.at_laws[idx(u)] = w.q[idx(u)];
     }
@@ -218,14 +222,19 @@ class ValueTable::Binder : public MemberBinder {
     const auto is_wrong = [&](const DriverInput& in) { return mismatch(s, in, q).has_value(); };
     if (!undefined_driver(s, q).empty() || std::any_of(s.inputs.begin(), s.inputs.end(), is_wrong)) return false;
     std::vector<double>& posture = lanes_[w.lane].variant.posture;
-    for (const Index c : near_) posture[idx(c)] = q[idx(c)];
+    const bool rests = !table_.structure_->static_coordinates.empty();  // what they read is not solved again
+    for (const Index c : near_) {
+      const double grains = q[idx(c)] / kGrain, from_border = std::abs(grains - std::floor(grains) - 0.5) * kGrain;
+      if (!was_alone && !(from_border > kBlurred)) return false;
+      posture[idx(c)] = rests ? q[idx(c)] : std::round(grains) * kGrain;
+    }
     for (const Index c : table_.structure_->static_coordinates) posture[idx(c)] = q[idx(c)];
     return true;
   }
 
   // Assembles those members side by side that can be; returns the others.
   std::vector<std::size_t> walk_together(const std::vector<std::size_t>& lanes) {
-    if (!assembly_ || lanes.size() < 2) return lanes;
+    if (!assembly_ || lanes.size() < 2 || !table_.structure_->static_coordinates.empty()) return lanes;
     const std::vector<WalkedPart>& parts = table_.assembly_->parts;
     if (!in_lanes_) in_lanes_.emplace(assembly_->system, parts, static_cast<int>(lanes_.size()));
     std::vector<std::size_t> others;
@@ -260,7 +269,7 @@ class ValueTable::Binder : public MemberBinder {
     std::vector<Walker> moving;
     in_lanes_->clear();
     const auto end = [&](Walker& w) {
-      if (!arrive(numbers_of(w.lane), w)) others.push_back(w.lane);
+      if (!arrive(numbers_of(w.lane), w, false)) others.push_back(w.lane);
     };
     for (Walker& w : closed) {
       if (w.moves) {
