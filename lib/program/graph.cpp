@@ -41,16 +41,6 @@ bool Graph::is(Value v, double number) const {
   return n.op == Op::constant && std::bit_cast<std::uint64_t>(n.number) == std::bit_cast<std::uint64_t>(number);
 }
 
-// x, if the value is -1 x.
-std::optional<Value> Graph::negated(Value v) {
-  const Node& n = nodes_[v.id];
-  if (n.op != Op::multiply) return std::nullopt;
-  for (const std::size_t k : {0U, 1U}) {
-    if (is({this, n.operand[k]}, -1)) return Value{this, n.operand[1 - k]};
-  }
-  return std::nullopt;
-}
-
 Value Graph::load(Slot slot) { return add({Op::load, {}, slot, 0}); }
 Value Graph::constant(double number) { return add({Op::constant, {}, {}, number}); }
 
@@ -60,16 +50,6 @@ Value Graph::make(Op op, Value a, Value b, Value c, Value d) {
   if (operands <= 2 && is_constant(a) && (operands < 2 || is_constant(b))) {
     const auto folded = fold(op, nodes_[a.id].number, operands < 2 ? 0 : nodes_[b.id].number);
     if (folded) return constant(*folded);
-  }
-  if (op == Op::absolute) {
-    if (const auto x = negated(a)) return make(op, *x, *x, *x, *x);
-  }
-  if (op == Op::add) {
-    if (const auto x = negated(b)) return make(Op::subtract, a, *x, *x, *x);
-    if (const auto x = negated(a)) return make(Op::subtract, b, *x, *x, *x);
-  }
-  if (op == Op::subtract) {
-    if (const auto x = negated(b)) return make(Op::add, a, *x, *x, *x);
   }
   if (op == Op::add && is(a, 0)) return b;
   if ((op == Op::add || op == Op::subtract) && is(b, 0)) return a;

@@ -4,7 +4,6 @@
 #include <bit>
 #include <cstdint>
 #include <map>
-#include <optional>
 #include <tuple>
 #include <vector>
 
@@ -43,7 +42,6 @@ class Graph {
 
   Value add(const Node& node);
   [[nodiscard]] bool is(Value v, double number) const;
-  [[nodiscard]] std::optional<Value> negated(Value v);
 
   std::vector<Node> nodes_;
   std::map<Key, std::uint32_t> known_;

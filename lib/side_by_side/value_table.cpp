@@ -213,7 +213,7 @@ class ValueTable::Binder : public MemberBinder {
   }
 
   // Gives the lane the posture at the end of its way. False if that is not the start that prepare() would find, because
-  // drivers have not the values of their laws.
+  // drivers have not the values of their laws; or if it must walk alone to be rounded as it always is (kGrain).
   [[nodiscard]] bool arrive(const System& s, Walker& w, bool was_alone) {
     for (const WalkedPart& p : table_.assembly_->parts) {
       for (const Index u : p.unknowns) w.at_laws[idx(u)] = w.q[idx(u)];

@@ -27,7 +27,7 @@ class WalkInLanes {
   // Follows the ways of all mechanisms as far as possible.
   void run();
 
-  // Of the i-th mechanism: true if it is at s = 1; its last posture.
+  // Of the i-th mechanism: true if it is at s = 1; its last posture, with the input that closes drawings at the end.
   [[nodiscard]] bool arrived(std::size_t i) const { return lanes_[i].arrived; }
   [[nodiscard]] const std::vector<double>& posture(std::size_t i) const { return lanes_[i].variant.posture; }
 
