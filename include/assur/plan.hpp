@@ -72,9 +72,9 @@ struct PrepareOptions {
   // Largest forward error (ErrorFigures) that any output may have, e.g. 1e-8; a larger value may save time. 0: as exact
   // as doubles allow. Steps with a larger estimated error carry Code::inaccurate; with 0, those above kDoubtfulError.
   double accuracy = 0;
-  // True: where it can, the backend `lanes` solves groups of two and three unknowns by machine code that it makes for
-  // them when a simulator is made (docs/strategies.md). Last bits differ from those without. load_plan() does without.
-  bool machine_code = false;
+  // False: without the machine code that the backend `lanes` makes for groups of two and three unknowns when a
+  // simulator is made (docs/strategies.md). Results have the same bits. load_plan() does without.
+  bool machine_code = true;
 };
 
 // A scene that is ready to run, as prepare() or load_plan() returns it. Any number of simulators may share its parts,

@@ -1,5 +1,6 @@
 // W doubles side by side, one for each lane of a pack, in the vectors of the target that is being compiled. Included
-// once for each target, inside its HWY_NAMESPACE (see Highway, "foreach_target.h").
+// once for each target, inside its HWY_NAMESPACE (see Highway, "foreach_target.h"). Text that uses only functions which
+// Value has as well (program/graph.hpp) can write the program of a step instead.
 #if defined(ASSUR_LANE_VECTOR_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef ASSUR_LANE_VECTOR_INL
 #undef ASSUR_LANE_VECTOR_INL
@@ -9,8 +10,10 @@
 
 #include <hwy/highway.h>
 
+#include <cstddef>
 #include <cstdint>
 
+#include "equations/lane_array.hpp"
 #include "numbers.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -93,6 +96,11 @@ struct Lanes {
     }
     return yes;
   }
+  // a <= b ? yes : no; no for NaN
+  friend HWY_INLINE HWY_ATTR Lanes if_at_most(const Lanes& a, const Lanes& b, Lanes yes, const Lanes& no) {
+    for (int i = 0; i < kVectors; ++i) yes.v[i] = hn::IfThenElse(hn::Le(a.v[i], b.v[i]), yes.v[i], no.v[i]);
+    return yes;
+  }
   struct Mask {
     hn::Mask<D> m[kVectors];
 
@@ -129,6 +137,7 @@ struct Lanes {
     for (int i = 0; i < kVectors; ++i) out.m[i] = hn::Le(a.v[i], b.v[i]);
     return out;
   }
+  friend HWY_INLINE HWY_ATTR Mask positive(const Lanes& test) { return less(set(0), test); }
   friend HWY_INLINE HWY_ATTR void swap_if(const Mask& mask, Lanes& a, Lanes& b) {
     for (int i = 0; i < kVectors; ++i) {
       const V first = a.v[i];
@@ -136,6 +145,25 @@ struct Lanes {
       b.v[i] = hn::IfThenElse(mask.m[i], first, b.v[i]);
     }
   }
+  // Numbers in memory, one of each lane; first 0.
+  template <std::size_t n>
+  class Fixed {
+   public:
+    HWY_INLINE Lanes operator[](std::size_t i) const { return load(numbers_ + i * W); }
+    HWY_INLINE void set(std::size_t i, const Lanes& v) { v.store(numbers_ + i * W); }
+
+   private:
+    alignas(kLineBytes) double numbers_[n * W] = {};
+  };
+  class Array {
+   public:
+    explicit Array(std::size_t size) : numbers_(size * W) {}
+    HWY_INLINE Lanes operator[](std::size_t i) const { return load(numbers_.data() + i * W); }
+    HWY_INLINE void set(std::size_t i, const Lanes& v) { v.store(numbers_.data() + i * W); }
+
+   private:
+    LaneArray numbers_;
+  };
   // The largest lane; NaN if there is one.
   HWY_INLINE double largest() const {
     V top = v[0];

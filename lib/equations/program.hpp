@@ -77,6 +77,12 @@ struct Program {
   std::int32_t blocks = 1;
 };
 
+// Indices of the coefficients 0 and 1 of a pack, which follow those of the program.
+[[nodiscard]] inline std::int32_t zero_coefficient(const Program& p) {
+  return static_cast<std::int32_t>(p.coefficients.size());
+}
+[[nodiscard]] inline std::int32_t one_coefficient(const Program& p) { return zero_coefficient(p) + 1; }
+
 // `group_class` in program form; `pattern` is Structure::pattern of the class.
 [[nodiscard]] Program compile(const GroupClass& group_class, Pattern pattern);
 

@@ -18,17 +18,17 @@ class SharedCode final : public StepCode {
 
   [[nodiscard]] std::string vectors() const override { return vectors_ == VectorCode::avx512 ? "AVX-512" : "AVX2"; }
 
-  std::shared_ptr<const Executor> of(const GroupClass& group_class, const Program& equations,
-                                     std::span<const std::int32_t> reads, int lanes) override {
+  CodeOfStep of(const GroupClass& group_class, const Program& equations, std::span<const std::int32_t> reads,
+                int lanes) override {
     const std::lock_guard lock(mutex_);
     for (const Entry& e : entries_) {
       if (e.lanes == lanes && e.group_class == group_class) return e.code;
     }
-    const StepProgram program = group_step(group_class, equations, reads);
+    const GroupProgram step = group_step(group_class, equations, reads);
     std::size_t instructions = 0;
-    for (const Phase& phase : program.phases) instructions += phase.code.size();
-    Entry made{group_class, lanes, nullptr};
-    if (instructions <= kMostInstructions) made.code = make_machine_code(program, lanes, vectors_);
+    for (const Phase& phase : step.program.phases) instructions += phase.code.size();
+    Entry made{group_class, lanes, {nullptr, step.work}};
+    if (instructions <= kMostInstructions) made.code.executor = make_machine_code(step.program, lanes, vectors_);
     if (entries_.size() < kMostKept) {
       return entries_.emplace_back(std::move(made)).code;
     }
@@ -40,7 +40,7 @@ class SharedCode final : public StepCode {
   struct Entry {
     GroupClass group_class;
     int lanes;
-    std::shared_ptr<const Executor> code;  // null: there is none
+    CodeOfStep code;
   };
   VectorCode vectors_;
   std::mutex mutex_;

@@ -1,6 +1,7 @@
 // Machine code for the steps of groups, which all simulators of a process share.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -12,6 +13,12 @@
 
 namespace assur {
 
+// Null: there is no code. work: numbers in Memory::work
+struct CodeOfStep {
+  std::shared_ptr<const Executor> executor;
+  std::size_t work = 0;
+};
+
 class StepCode {
  public:
   virtual ~StepCode() = default;
@@ -20,9 +27,9 @@ class StepCode {
   [[nodiscard]] virtual std::string vectors() const = 0;
 
   // The code of group_step() for this number of lanes. It is made once, and then again only if many other classes were
-  // asked for since. Null if there is none. Several threads may call it at once.
-  [[nodiscard]] virtual std::shared_ptr<const Executor> of(const GroupClass& group_class, const Program& equations,
-                                                           std::span<const std::int32_t> reads, int lanes) = 0;
+  // asked for since. Several threads may call it at once.
+  [[nodiscard]] virtual CodeOfStep of(const GroupClass& group_class, const Program& equations,
+                                      std::span<const std::int32_t> reads, int lanes) = 0;
 };
 
 // The best vectors of this processor; null if it cannot run machine code, or if this build makes none. Needs the

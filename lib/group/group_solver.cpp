@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "backends/small_steps.hpp"
-#include "group/coded_step.hpp"
 #include "index.hpp"
 #include "numbers.hpp"
 #include "scene/residual_scale.hpp"
@@ -17,7 +16,7 @@ GroupSolver::GroupSolver(const System& system, const Structure& structure, std::
       guard_(work_, solver_),
       step_(work_, solver_, guard_, choice.solver),
       probe_(system, work_, solver_, guard_.blocks()) {
-  if (has_small_steps(choice.solver)) small_step_ = fastest_small_step(work_, guard_.blocks(), code);
+  if (has_small_steps(choice.solver)) small_step_ = make_small_step(work_, guard_.blocks(), code);
 }
 
 void GroupSolver::size(Pack& pack) const {
@@ -54,7 +53,7 @@ Status GroupSolver::solve(Pack& pack, double* const (&state)[3], const Attempt& 
   if (const Status s = step_.derivatives(pack, state, attempt, counters, errors); !s.ok()) return s;
   if (small_step_) {
     pack.keep_anchor(attempt.number);
-    small_step_->choose_pivots(pack, state[0]);
+    choose_pivots(work_, pack);
   }
   return guard_.check(pack, state, attempt, counters);
 }
@@ -99,7 +98,7 @@ Status GroupSolver::renew_anchor(Pack& pack, double* const (&state)[3], const At
   pack.keep_anchor(attempt.number);
   work_.set_inputs(pack, state[0]);
   work_.evaluate(state[0] + pack.unknowns);
-  small_step_->choose_pivots(pack, state[0]);
+  choose_pivots(work_, pack);
   return guard_.check(pack, state, attempt, counters);
 }
 

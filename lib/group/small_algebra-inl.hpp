@@ -73,21 +73,14 @@ class SmallAlgebra {
     return (norm_r / norm_b).largest();
   }
 
-  static HWY_INLINE void load(const double* from, Column& to) {
-    for (int i = 0; i < N; ++i) to[i] = L::load(from + i * W);
-  }
-  static HWY_INLINE void store(const Column& from, double* to) {
-    for (int i = 0; i < N; ++i) from[i].store(to + i * W);
-  }
-
- protected:
-  // omega * largest |coordinate - anchor|: see PackKernels. value(c): coordinate c
-  template <class Value>
-  static HWY_INLINE L part_of_ball(const Pack& pack, std::span<const std::int32_t> coordinates, const Value& value) {
+  // omega * largest |coordinate - anchor|: see PackKernels. input(i): an input of the pack
+  template <class Input>
+  static HWY_INLINE L ball_use(const Pack& pack, std::span<const std::int32_t> coordinates, const Column& x,
+                               const Input& input) {
     L moved = L::set(0), poison = L::set(0);
     const double* anchor = pack.anchor.data();
     for (const std::int32_t c : coordinates) {
-      const L by = value(c) - L::load(anchor);
+      const L by = (c < N ? x[c] : input(c - N)) - L::load(anchor);
       moved = max(moved, abs(by));
       poison.add_product(by, L::set(0));
       anchor += W;

@@ -1,13 +1,13 @@
-// The ordinary step of a small group, all of it in registers: Newton's method, velocity, acceleration and the branch
-// test, without function calls. If anything is unusual, GroupSolver solves the step again.
+// The ordinary step of a small group (program/group_step.hpp) in registers: by machine code where there is some, else
+// by kernels, with the same bits. If anything is unusual, GroupSolver solves the step again.
 #pragma once
 
 #include <memory>
 
-#include "assur/structure.hpp"
-#include "equations/program.hpp"
+#include "execute/step_code.hpp"
 #include "group/branch.hpp"
 #include "group/pack.hpp"
+#include "group/workspace.hpp"
 
 namespace assur {
 
@@ -24,10 +24,6 @@ class SmallStep {
  public:
   virtual ~SmallStep() = default;
 
-  // Chooses the order of the rows in each lane at a posture, which the workspace of GroupSolver has evaluated; run()
-  // needs it. The first call allocates memory.
-  virtual void choose_pivots(Pack& pack, const double* state) = 0;
-
   // Tries the step. state[d]: d-th derivative of all coordinates, with the prediction in the unknowns of the pack.
   // True: the unknowns are solved by the rules of GroupSolver, to relative residuals of at most `converged`. False: the
   // factorisation, the convergence or the Kantorovich number of a lane is unusual; the prediction is unchanged, and the
@@ -36,9 +32,16 @@ class SmallStep {
                                  SmallStepFigures& figures) = 0;
 };
 
-// A SmallStep for a class with 2 or 3 unknowns, all wanted, in one irreducible block of separable equations, and for at
-// most 8 lanes; else null. Null on processors without SIMD. `program` and `blocks` must outlive it.
-[[nodiscard]] std::unique_ptr<SmallStep> make_small_step(const GroupClass& group_class, const Program& program,
-                                                         const BlockConditions& blocks, int lanes);
+// For a class that has_group_step(); else null. code: null, or machine code. All must outlive the step.
+[[nodiscard]] std::unique_ptr<SmallStep> make_small_step(const Workspace& work, const BlockConditions& blocks,
+                                                         StepCode* code);
+// The parts of make_small_step(). Null: there is no machine code; this processor has no SIMD.
+[[nodiscard]] std::unique_ptr<SmallStep> make_coded_step(const Workspace& work, const BlockConditions& blocks,
+                                                         StepCode& code);
+[[nodiscard]] std::unique_ptr<SmallStep> make_step_kernel(const Workspace& work, const BlockConditions& blocks);
+
+// Chooses the order of the rows in each lane at the posture that the workspace has evaluated; steps need it. The first
+// call allocates memory.
+void choose_pivots(const Workspace& work, Pack& pack);
 
 }  // namespace assur

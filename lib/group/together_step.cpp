@@ -5,28 +5,32 @@
 
 #include "group/together_step.hpp"
 
-#include "group/distance_system-inl.hpp"
-#include "group/small_lu-inl.hpp"
-#include "group/small_system-inl.hpp"
+#include "group/pack_source-inl.hpp"
+#include "group/small_algebra-inl.hpp"
+#include "program/distance_equations-inl.hpp"
+#include "program/separable_equations-inl.hpp"
+#include "program/small_lu-inl.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "equations/separable.hpp"
-#include "program/step_rules.hpp"
 #include "index.hpp"
+#include "program/step_rules.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace assur::HWY_NAMESPACE {
 namespace {
 
-// Equations: SmallSystem or DistanceSystem
+// Equations: SeparableEquations or DistanceEquations
 template <int W, int N, class Equations>
 class TogetherStepOf final : public TogetherStep {
   using L = Lanes<W>;
-  using Column = typename Equations::Column;
-  using Matrix = typename Equations::Matrix;
+  using Source = PackSource<W>;
+  using Algebra = SmallAlgebra<W, N>;
+  using Column = typename Algebra::Column;
+  using Matrix = typename Algebra::Matrix;
 
  public:
   TogetherStepOf(const GroupClass& group_class, const Program& program, const BlockConditions& blocks,
@@ -56,9 +60,10 @@ class TogetherStepOf final : public TogetherStep {
 
   void begin(const double* state) override {
     if constexpr (Equations::kDistances) {
-      at_rest_.resize(packs_.size() * Equations::kAtRest);
+      at_rest_.resize(packs_.size() * kAtRest);
       for (std::size_t p = 0; p < packs_.size(); ++p) {
-        s_.at_rest(packs_[p].pack, state, at_rest_.data() + p * Equations::kAtRest);
+        const double* const only[3] = {state};
+        s_.at_rest(Source(packs_[p].pack, only), at_rest_.data() + p * kAtRest, W);
       }
     }
   }
@@ -72,48 +77,52 @@ class TogetherStepOf final : public TogetherStep {
       if (iteration == 1 && !is_near(pack, coupling)) return Progress::failed;
       Column phi;
       load_unknowns(pack, state, m.x);
+      const double* const only[3] = {state};
+      const Source in(pack.pack, only);
       if constexpr (Equations::kDistances) {
-        const double* const at_rest = at_rest_.data() + p * Equations::kAtRest;
+        const double* const at_rest = at_rest_.data() + p * kAtRest;
         if (iteration == 0) {
-          s_.template set_moving_inputs<true>(pack.pack, at_rest, state);
+          s_.template set_moving_inputs<true>(in, at_rest, W);
         } else {
-          s_.template set_moving_inputs<false>(pack.pack, at_rest, state);
+          s_.template set_moving_inputs<false>(in, at_rest, W);
         }
       } else if (iteration == 0) {
-        s_.set_inputs(pack.pack, state);
+        s_.set_inputs(in);
       } else {
-        s_.template set_inputs<false>(pack.pack, state);
+        s_.template set_inputs<false>(in);
       }
-      s_.evaluate(m.x, m.u, phi);
+      s_.evaluate(in, m.x, m.u, phi);
       if (iteration == 0) {
         for (int i = 0; i < N; ++i) {
-          m.scale[i] = s_.scale_of(i, m.x, m.u);
+          m.scale[i] = s_.scale_of(in, i, m.x, m.u);
           m.scale[i] = if_positive(m.scale[i], m.scale[i], L::set(1));
         }
       }
-      bool solved = Equations::at_most(phi, m.scale, converged);
+      bool solved = Algebra::at_most(phi, m.scale, converged);
       if (!solved && iteration > 0) {
-        const double relative = Equations::largest_ratio(phi, m.scale);
+        const double relative = Algebra::largest_ratio(phi, m.scale);
         if (!std::isfinite(relative)) return Progress::failed;
-        const double before = Equations::largest_ratio(m.phi, m.scale);
+        const double before = Algebra::largest_ratio(m.phi, m.scale);
         if (s_.may_vanish() && iteration > 1 && falls_slowly(relative, before)) return Progress::failed;
         solved = only_rounding_is_left(relative, before);
       }
       if (!solved) {
         progress = Progress::open;
-      } else if (!Equations::at_most(phi, m.scale, figures.position)) {
-        figures.position = Equations::largest_ratio(phi, m.scale);
+      } else if (!Algebra::at_most(phi, m.scale, figures.position)) {
+        figures.position = Algebra::largest_ratio(phi, m.scale);
       }
       if (solved || iteration > 0) {
-        const L used = s_.ball_use(pack.pack, reads_, m.x), before = L::load(pack.pack.ball_used.data());
+        const auto input = [&](std::int32_t i) HWY_ATTR { return s_.input(i); };
+        const L used = Algebra::ball_use(pack.pack, reads_, m.x, input), before = L::load(pack.pack.ball_used.data());
         const L more = max(used - before, L::set(0));
         balls_last_[p] = less_equal(used + more + more, L::set(kBall)).all() ? 1 : 0;
         used.store(used_.data() + p * W);
       }
       for (int i = 0; i < N; ++i) m.phi[i] = phi[i];
-      s_.differentiate(m.u, m.jacobian);
-      if (!m.lu.factorize(m.jacobian, pack.pack.swaps.data())) return Progress::failed;
-      find_slopes(p, m);
+      s_.differentiate(in, m.u, m.jacobian);
+      const L poor = m.lu.factorize(m.jacobian, [&](std::size_t k) HWY_ATTR { return in.pivot(k); });
+      if (!less_equal(poor, L::set(0)).all()) return Progress::failed;
+      find_slopes(p, m, in);
       Column rhs, own;
       for (int i = 0; i < N; ++i) rhs[i] = L::set(0) - phi[i];
       m.lu.solve(rhs, own);
@@ -166,9 +175,9 @@ class TogetherStepOf final : public TogetherStep {
       Numbers& m = numbers_[p];
       Column rhs, own;
       if (pack.driven) {
-        s_.turn_to(pack.pack);
-        s_.set_rates(pack.known.rows.data(), pack.known.addresses.data(), state[1]);
-        s_.velocity_rhs(m.x, m.u, rhs);
+        const Source in(pack.pack, state, pack.known.rows.data(), pack.known.addresses.data());
+        s_.set_rates(in);
+        s_.velocity_rhs(in, m.x, m.u, rhs);
         m.lu.solve(rhs, own);
       } else {
         for (int i = 0; i < N; ++i) own[i] = L::set(0);
@@ -192,15 +201,15 @@ class TogetherStepOf final : public TogetherStep {
       const TogetherPack& pack = packs_[p];
       Numbers& m = numbers_[p];
       Column own;
-      s_.turn_to(pack.pack);
-      s_.set_rates(pack.pack.input_rows.data(), pack.pack.inputs.data(), state[1]);
-      s_.velocity_rhs(m.x, m.u, m.rhs);
-      m.norm = Equations::norm_of(m.jacobian);
-      figures.velocity = Equations::residual(m.jacobian, m.norm, m.rate, m.rhs, figures.velocity);
+      const Source in(pack.pack, state);
+      s_.set_rates(in);
+      s_.velocity_rhs(in, m.x, m.u, m.rhs);
+      m.norm = Algebra::norm_of(m.jacobian);
+      figures.velocity = Algebra::residual(m.jacobian, m.norm, m.rate, m.rhs, figures.velocity);
       if (!std::isfinite(figures.velocity)) return;
       if (derivatives_ < 2) continue;
-      s_.set_accelerations(pack.known.rows.data(), pack.known.addresses.data(), state[2]);
-      s_.acceleration_rhs(m.x, m.u, m.rate, m.rhs);
+      s_.set_accelerations(Source(pack.pack, state, pack.known.rows.data(), pack.known.addresses.data()));
+      s_.acceleration_rhs(in, m.x, m.u, m.rate, m.rhs);
       m.lu.solve(m.rhs, own);
       store_by_place(own, coupling.own.data(), pack);
     }
@@ -231,7 +240,7 @@ class TogetherStepOf final : public TogetherStep {
         const std::size_t begin = row == 0 ? 0 : row_end_[row - 1];
         m.rhs[i] = m.rhs[i] + add_sources(pack, p, begin, row_end_[row], coupling.change.data());
       }
-      figures.acceleration = Equations::residual(m.jacobian, m.norm, acceleration, m.rhs, figures.acceleration);
+      figures.acceleration = Algebra::residual(m.jacobian, m.norm, acceleration, m.rhs, figures.acceleration);
       if (!std::isfinite(figures.acceleration)) return;
     }
   }
@@ -244,7 +253,7 @@ class TogetherStepOf final : public TogetherStep {
     Column x, scale, phi, rate, rhs;
     Matrix u, jacobian;
     L norm;
-    SmallLu<W, N> lu;
+    SmallLu<L, N> lu;
   };
   // Addend of the slope of an equation along an input: coefficient * slope * share * factor.
   struct Term {
@@ -297,19 +306,19 @@ class TogetherStepOf final : public TogetherStep {
     }
   }
 
-  HWY_INLINE void find_slopes(std::size_t p, const Numbers& m) {
+  HWY_INLINE void find_slopes(std::size_t p, const Numbers& m, const Source& in) {
     double* slope = slopes_.data() + p * entries_.size() * W;
     for (const Entry& e : entries_) {
       const int i = equation_[idx(e.row)];
       L sum = L::set(0);
       for (std::size_t k = e.begin; k < e.end; ++k) {
         const Term& t = terms_[k];
-        L factor = s_.coefficient(t.share);
-        if (!Equations::kDistances) factor = factor * s_.coefficient(t.coefficient);
+        L factor = in.coefficient(t.share);
+        if (!Equations::kDistances) factor = factor * in.coefficient(t.coefficient);
         if (t.square >= 0) {
           factor = (factor + factor) * m.u[i][t.square];
         } else if (t.unknown >= 0) {
-          factor = factor * s_.coefficient(t.slope) * m.x[t.unknown];
+          factor = factor * in.coefficient(t.slope) * m.x[t.unknown];
         }
         sum = sum + factor;
       }
@@ -392,6 +401,8 @@ class TogetherStepOf final : public TogetherStep {
     }
   }
 
+  static constexpr std::size_t kAtRest = 2 * N * N * W;  // see DistanceEquations
+
   int derivatives_;
   std::span<const std::int32_t> reads_;  // coordinates that the branch check examines
   Equations s_;
@@ -403,7 +414,7 @@ class TogetherStepOf final : public TogetherStep {
   std::vector<Numbers, LineAllocator<Numbers>> numbers_;  // packs
   LaneArray slopes_;                                      // packs x entries x W: H
   LaneArray used_;                                        // packs x W
-  LaneArray at_rest_;                                     // packs x DistanceSystem::at_rest()
+  LaneArray at_rest_;                                     // packs x DistanceEquations::at_rest()
 };
 
 // A vector of rows at a time: within it each load is combined with the loads 1, 2, 4, ... rows before it, so that gains
@@ -452,9 +463,9 @@ template <int W, int N>
 TogetherStep* of_size(const GroupClass& group_class, const Program& program, const BlockConditions& blocks,
                       const Separable& separable, std::span<const std::uint8_t> computed) {
   if (measures_distances(separable, program)) {
-    return new TogetherStepOf<W, N, DistanceSystem<W, N>>(group_class, program, blocks, separable, computed);
+    return new TogetherStepOf<W, N, DistanceEquations<Lanes<W>, N>>(group_class, program, blocks, separable, computed);
   }
-  return new TogetherStepOf<W, N, SmallSystem<W, N>>(group_class, program, blocks, separable, computed);
+  return new TogetherStepOf<W, N, SeparableEquations<Lanes<W>, N>>(group_class, program, blocks, separable, computed);
 }
 
 template <int W>

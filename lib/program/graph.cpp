@@ -1,14 +1,15 @@
 #include "program/graph.hpp"
 
-#include <algorithm>
+#include <bit>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 namespace assur {
 namespace {
 
-// The operation on numbers. Only for operations that constants meet.
-std::optional<double> fold(Op op, double a, double b) {
+// The operation on numbers.
+double fold(Op op, double a, double b, double c, double d) {
   switch (op) {
     case Op::add:
       return a + b;
@@ -18,79 +19,132 @@ std::optional<double> fold(Op op, double a, double b) {
       return a * b;
     case Op::divide:
       return a / b;
+    case Op::fma:
+      return std::fma(a, b, c);
+    case Op::fnma:
+      return std::fma(-a, b, c);
+    case Op::fms:
+      return std::fma(a, b, -c);
+    case Op::square_root:
+      return std::sqrt(a);
     case Op::absolute:
       return std::abs(a);
+    case Op::copy_sign:
+      return std::copysign(a, b);
+    case Op::round:
+      return std::nearbyint(a);
     case Op::larger:
       return a > b ? a : b;
-    default:
-      return std::nullopt;
+    case Op::select:
+      return a <= b ? c : d;
+    case Op::load:
+    case Op::constant:
+      break;
   }
+  return a;
+}
+
+bool is(const Value& v, double number) {
+  return v.is_constant() && std::bit_cast<std::uint64_t>(v.number) == std::bit_cast<std::uint64_t>(number);
+}
+
+bool are_equal(const Value& a, const Value& b) {
+  return a.graph == b.graph && (a.is_constant() ? is(a, b.number) : a.id == b.id);
+}
+
+// a b
+std::optional<Value> simple_product(const Value& a, const Value& b) {
+  if (is(a, 0) || is(b, 0)) return Value::set(0);
+  if (is(a, 1)) return b;
+  if (is(b, 1)) return a;
+  return std::nullopt;
 }
 
 }  // namespace
+
+// x if v is -x.
+std::optional<Value> Graph::negated(const Value& v) {
+  if (v.is_constant()) return std::nullopt;
+  const Graph& g = *v.graph;
+  const Node& n = g.nodes_[v.id];
+  if (n.op != Op::multiply) return std::nullopt;
+  for (const std::size_t k : {0U, 1U}) {
+    const Node& factor = g.nodes_[n.operand[k]];
+    if (factor.op == Op::constant && factor.number == -1) return Value{v.graph, n.operand[1 - k], 0};
+  }
+  return std::nullopt;
+}
+
+// What an operation is without operations, or with a simpler one of the same bits.
+std::optional<Value> Graph::simplified(Op op, const Value& a, const Value& b, const Value& c, const Value& d) {
+  switch (op) {
+    case Op::add:
+      if (is(a, 0)) return b;
+      if (is(b, 0)) return a;
+      if (const auto x = negated(a)) return b - *x;
+      if (const auto x = negated(b)) return a - *x;
+      break;
+    case Op::subtract:
+      if (is(b, 0)) return a;
+      if (const auto x = negated(b)) return a + *x;
+      break;
+    case Op::multiply:
+      return simple_product(a, b);
+    case Op::divide:
+      if (is(b, 1) || is(a, 0)) return a;
+      break;
+    case Op::absolute:
+      if (const auto x = negated(a)) return abs(*x);
+      break;
+    case Op::fma:
+    case Op::fnma: {
+      auto product = simple_product(a, b);
+      if (!product && (is(a, -1) || is(b, -1))) product = a * b;
+      if (product) return op == Op::fma ? c + *product : c - *product;
+      break;
+    }
+    case Op::select:
+      if (are_equal(c, d)) return c;
+      break;
+    default:
+      break;
+  }
+  return std::nullopt;
+}
+
+Value make(Op op, Value a, Value b, Value c, Value d) {
+  const auto operands = static_cast<std::size_t>(operands_of(op));
+  std::array<Value*, 4> all = {&a, &b, &c, &d};
+  Graph* graph = nullptr;
+  for (std::size_t k = 0; k < operands && graph == nullptr; ++k) graph = all[k]->graph;
+  if (graph == nullptr) return Value::set(fold(op, a.number, b.number, c.number, d.number));
+  if (const auto simple = Graph::simplified(op, a, b, c, d)) return *simple;
+  std::array<std::uint32_t, 4> of{};
+  for (std::size_t k = 0; k < operands; ++k) of[k] = graph->node_of(*all[k]);
+  const bool commutes = op == Op::add || op == Op::multiply || op == Op::fma || op == Op::fnma;
+  if (commutes && of[0] > of[1]) std::swap(of[0], of[1]);
+  return graph->add({op, of, {}, 0});
+}
 
 Value Graph::add(const Node& node) {
   const Key key{node.op, node.operand, node.slot.memory, node.slot.index, std::bit_cast<std::uint64_t>(node.number)};
   const auto [found, is_new] = known_.try_emplace(key, static_cast<std::uint32_t>(nodes_.size()));
   if (is_new) nodes_.push_back(node);
-  return {this, found->second};
-}
-
-bool Graph::is(Value v, double number) const {
-  const Node& n = nodes_[v.id];
-  return n.op == Op::constant && std::bit_cast<std::uint64_t>(n.number) == std::bit_cast<std::uint64_t>(number);
+  return {this, found->second, 0};
 }
 
 Value Graph::load(Slot slot) { return add({Op::load, {}, slot, 0}); }
-Value Graph::constant(double number) { return add({Op::constant, {}, {}, number}); }
 
-Value Graph::make(Op op, Value a, Value b, Value c, Value d) {
-  const int operands = operands_of(op);
-  const auto is_constant = [&](Value v) { return nodes_[v.id].op == Op::constant; };
-  if (operands <= 2 && is_constant(a) && (operands < 2 || is_constant(b))) {
-    const auto folded = fold(op, nodes_[a.id].number, operands < 2 ? 0 : nodes_[b.id].number);
-    if (folded) return constant(*folded);
-  }
-  if (op == Op::add && is(a, 0)) return b;
-  if ((op == Op::add || op == Op::subtract) && is(b, 0)) return a;
-  if (op == Op::multiply && (is(a, 0) || is(b, 0))) return constant(0);
-  if (op == Op::multiply && is(a, 1)) return b;
-  if ((op == Op::multiply || op == Op::divide) && is(b, 1)) return a;
-  if (op == Op::divide && is(a, 0)) return a;
-  if (op == Op::select && c.id == d.id) return c;
-  if ((op == Op::add || op == Op::multiply) && a.id > b.id) std::swap(a, b);
-  std::array<std::uint32_t, 4> of = {a.id, b.id, c.id, d.id};
-  std::fill(of.begin() + operands, of.end(), 0);
-  return add({op, of, {}, 0});
+std::uint32_t Graph::node_of(const Value& value) {
+  return value.is_constant() ? add({Op::constant, {}, {}, value.number}).id : value.id;
 }
 
 Phase Graph::phase() const {
-  std::vector<Node> nodes = nodes_;
-  std::vector<int> uses(nodes.size());
-  const auto count = [&](const auto& self, std::uint32_t id) -> void {
-    if (uses[id]++ > 0) return;
-    for (int k = 0; k < operands_of(nodes[id].op); ++k) self(self, nodes[id].operand[static_cast<std::size_t>(k)]);
-  };
-  for (const Phase::Store& s : stores_) count(count, s.value);
-
-  for (Node& n : nodes) {
-    if (n.op != Op::add && n.op != Op::subtract) continue;
-    const std::uint32_t a = n.operand[0], b = n.operand[1];
-    const auto is_only_here = [&](std::uint32_t id) { return nodes[id].op == Op::multiply && uses[id] == 1; };
-    if (is_only_here(b)) {
-      n.op = n.op == Op::add ? Op::fma : Op::fnma;
-      n.operand = {nodes[b].operand[0], nodes[b].operand[1], a};
-    } else if (is_only_here(a)) {
-      n.op = n.op == Op::add ? Op::fma : Op::fms;
-      n.operand = {nodes[a].operand[0], nodes[a].operand[1], b};
-    }
-  }
-
   Phase out;
-  std::vector<std::uint32_t> place(nodes.size(), UINT32_MAX);
+  std::vector<std::uint32_t> place(nodes_.size(), UINT32_MAX);
   const auto write = [&](const auto& self, std::uint32_t id) -> void {
     if (place[id] != UINT32_MAX) return;
-    const Node& n = nodes[id];
+    const Node& n = nodes_[id];
     Instruction to{n.op, {}, n.slot};
     for (std::size_t k = 0; k < static_cast<std::size_t>(operands_of(n.op)); ++k) {
       self(self, n.operand[k]);

@@ -1,9 +1,11 @@
 // Builds a phase of a step program: a graph of values, in which equal operations are one value.
 #pragma once
 
-#include <bit>
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <tuple>
 #include <vector>
 
@@ -13,25 +15,59 @@ namespace assur {
 
 class Graph;
 
-// A value of a graph.
+// A number that is not known yet: a value of a graph. Or a constant, which has no graph. It has the functions of Lanes
+// (equations/lane_vector-inl.hpp), so that the same text computes numbers or writes their program.
 struct Value {
   Graph* graph = nullptr;
   std::uint32_t id = 0;
+  double number = 0;  // of a constant
+
+  [[nodiscard]] static Value set(double number) { return {nullptr, 0, number}; }
+  [[nodiscard]] bool is_constant() const { return graph == nullptr; }
+  void add_product(const Value& a, const Value& b);       // fused
+  void subtract_product(const Value& a, const Value& b);  // fused
+
+  // Numbers that a phase computes and reads again; first 0.
+  template <std::size_t n>
+  class Fixed {
+   public:
+    [[nodiscard]] const Value& operator[](std::size_t i) const { return values_[i]; }
+    void set(std::size_t i, const Value& v) { values_[i] = v; }
+
+   private:
+    std::array<Value, n> values_;
+  };
+  class Array {
+   public:
+    explicit Array(std::size_t size) : values_(size) {}
+    [[nodiscard]] const Value& operator[](std::size_t i) const { return values_[i]; }
+    void set(std::size_t i, const Value& v) { values_[i] = v; }
+
+   private:
+    std::vector<Value> values_;
+  };
+
+  // Rows are swapped where this is positive.
+  struct Mask;
+};
+struct Value::Mask {
+  Value if_positive;
 };
 
-// Constants are folded, and so is what adds 0, multiplies by 0 or 1, or divides by 1: a constant 0 or 1 stands for what
-// the structure lacks. A product that is only added to another value, or subtracted, is fused with it.
+// The result of an operation, folded if its operands are constants. It is left out if it adds 0 or multiplies by 0 or
+// 1: such a constant stands for what the structure lacks. Only the sign of a zero may differ.
+[[nodiscard]] Value make(Op op, Value a, Value b = {}, Value c = {}, Value d = {});
+
 class Graph {
  public:
   [[nodiscard]] Value load(Slot slot);
-  [[nodiscard]] Value constant(double number);
-  [[nodiscard]] Value make(Op op, Value a, Value b = {}, Value c = {}, Value d = {});
-  void store(Slot to, Value value) { stores_.push_back({to, value.id}); }
+  void store(Slot to, const Value& value) { stores_.push_back({to, node_of(value)}); }
 
   // The phase of all stores so far.
   [[nodiscard]] Phase phase() const;
 
  private:
+  friend Value make(Op op, Value a, Value b, Value c, Value d);
   struct Node {
     Op op;
     std::array<std::uint32_t, 4> operand;
@@ -40,26 +76,36 @@ class Graph {
   };
   using Key = std::tuple<Op, std::array<std::uint32_t, 4>, Memory, std::uint32_t, std::uint64_t>;
 
+  [[nodiscard]] static std::optional<Value> negated(const Value& v);
+  [[nodiscard]] static std::optional<Value> simplified(Op op, const Value& a, const Value& b, const Value& c,
+                                                       const Value& d);
   Value add(const Node& node);
-  [[nodiscard]] bool is(Value v, double number) const;
+  [[nodiscard]] std::uint32_t node_of(const Value& value);
 
   std::vector<Node> nodes_;
   std::map<Key, std::uint32_t> known_;
   std::vector<Phase::Store> stores_;
 };
 
-[[nodiscard]] inline Value operator+(Value a, Value b) { return a.graph->make(Op::add, a, b); }
-[[nodiscard]] inline Value operator-(Value a, Value b) { return a.graph->make(Op::subtract, a, b); }
-[[nodiscard]] inline Value operator*(Value a, Value b) { return a.graph->make(Op::multiply, a, b); }
-[[nodiscard]] inline Value operator/(Value a, Value b) { return a.graph->make(Op::divide, a, b); }
-[[nodiscard]] inline Value square_root(Value a) { return a.graph->make(Op::square_root, a); }
-[[nodiscard]] inline Value absolute(Value a) { return a.graph->make(Op::absolute, a); }
-[[nodiscard]] inline Value copy_sign(Value a, Value sign) { return a.graph->make(Op::copy_sign, a, sign); }
-[[nodiscard]] inline Value round(Value a) { return a.graph->make(Op::round, a); }
-[[nodiscard]] inline Value larger(Value a, Value b) { return a.graph->make(Op::larger, a, b); }
+[[nodiscard]] inline Value operator+(const Value& a, const Value& b) { return make(Op::add, a, b); }
+[[nodiscard]] inline Value operator-(const Value& a, const Value& b) { return make(Op::subtract, a, b); }
+[[nodiscard]] inline Value operator*(const Value& a, const Value& b) { return make(Op::multiply, a, b); }
+[[nodiscard]] inline Value operator/(const Value& a, const Value& b) { return make(Op::divide, a, b); }
+[[nodiscard]] inline Value sqrt(const Value& a) { return make(Op::square_root, a); }
+[[nodiscard]] inline Value abs(const Value& a) { return make(Op::absolute, a); }
+[[nodiscard]] inline Value max(const Value& a, const Value& b) { return make(Op::larger, a, b); }
 // a <= b ? yes : no
-[[nodiscard]] inline Value if_at_most(Value a, Value b, Value yes, Value no) {
-  return a.graph->make(Op::select, a, b, yes, no);
+[[nodiscard]] inline Value if_at_most(const Value& a, const Value& b, const Value& yes, const Value& no) {
+  return make(Op::select, a, b, yes, no);
+}
+inline void Value::add_product(const Value& a, const Value& b) { *this = make(Op::fma, a, b, *this); }
+inline void Value::subtract_product(const Value& a, const Value& b) { *this = make(Op::fnma, a, b, *this); }
+
+[[nodiscard]] inline Value::Mask positive(const Value& test) { return {test}; }
+inline void swap_if(const Value::Mask& mask, Value& a, Value& b) {
+  const Value first = a, zero = Value::set(0);
+  a = if_at_most(mask.if_positive, zero, first, b);
+  b = if_at_most(mask.if_positive, zero, b, first);
 }
 
 }  // namespace assur

@@ -33,14 +33,21 @@ inline constexpr std::size_t kGroupFigures = 6;
 [[nodiscard]] constexpr Slot slot_of(GroupSetting s) { return {Memory::settings, static_cast<std::uint32_t>(s)}; }
 [[nodiscard]] constexpr Slot slot_of(GroupFigure f) { return {Memory::figures, static_cast<std::uint32_t>(f)}; }
 
-// Numbers in Memory::work and Memory::pivots.
-[[nodiscard]] std::uint32_t work_of_group_step(const Program& equations);
-[[nodiscard]] std::uint32_t pivots_of_group_step(const Program& equations);
+// A step program, and how many numbers it keeps in Memory::work.
+struct GroupProgram {
+  StepProgram program;
+  std::uint32_t work = 0;
+};
 
-// reads: coordinates of the branch test, as registers of `equations`. The rules are those of step_rules.hpp and of
-// NewtonStep. Memory::unknowns holds the prediction and keeps it: solved unknowns are the first slots of Memory::work.
-// A pivot above 0 swaps two rows; see SmallLu.
-[[nodiscard]] StepProgram group_step(const GroupClass& group_class, const Program& equations,
-                                     std::span<const std::int32_t> reads);
+// True for classes of two or three unknowns, all wanted, in one irreducible block of quadratic equations.
+[[nodiscard]] bool has_group_step(const GroupClass& group_class);
+// Numbers in Memory::pivots.
+[[nodiscard]] std::size_t pivots_of_group_step(const GroupClass& group_class);
+
+// For a class that has_group_step(). reads: coordinates of the branch test, as registers of `equations`.
+// Memory::unknowns holds the prediction and keeps it: solved unknowns are the first numbers of Memory::work. Rows k and
+// i > k are swapped before column k is eliminated where the pivot of this pair is positive.
+[[nodiscard]] GroupProgram group_step(const GroupClass& group_class, const Program& equations,
+                                      std::span<const std::int32_t> reads);
 
 }  // namespace assur

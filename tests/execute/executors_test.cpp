@@ -165,9 +165,9 @@ TEST(Executors, GiveTheBitsOfTheDefinition) {
 TEST(Executors, RepeatAPhaseForEachLane) {
   Graph g;
   const Slot root{Memory::work, 0}, square{Memory::work, 1}, active{Memory::work, 2}, count{Memory::work, 3};
-  const Value x = g.load(root), zero = g.constant(0), one = g.constant(1);
-  const Value next = (x + g.load(square) / x) * g.constant(0.5);
-  const Value moved = absolute(next - x) - g.constant(1e-15) * next;
+  const Value x = g.load(root), zero = Value::set(0), one = Value::set(1);
+  const Value next = (x + g.load(square) / x) * Value::set(0.5);
+  const Value moved = abs(next - x) - Value::set(1e-15) * next;
   g.store(root, if_at_most(g.load(active), zero, x, next));
   g.store(count, g.load(count) + g.load(active));
   g.store(active, if_at_most(g.load(active), zero, zero, if_at_most(moved, zero, zero, one)));
@@ -198,7 +198,7 @@ TEST(Executors, RepeatAPhaseForEachLane) {
 
 TEST(Executors, DeclineOperationsThatTheyLack) {
   Graph g;
-  g.store({Memory::work, 0}, absolute(g.load({Memory::work, 1})));
+  g.store({Memory::work, 0}, abs(g.load({Memory::work, 1})));
   StepProgram program{{g.phase()}};
   ASSERT_NE(make_interpreter(program, 4), nullptr);
   program.phases[0].code.back().op = static_cast<Op>(200);
@@ -208,7 +208,7 @@ TEST(Executors, DeclineOperationsThatTheyLack) {
 
 TEST(Executors, GoWithoutCodeWhereTheSystemRefusesIt) {
   Graph g;
-  g.store({Memory::work, 0}, absolute(g.load({Memory::work, 1})));
+  g.store({Memory::work, 0}, abs(g.load({Memory::work, 1})));
   EXPECT_EQ(make_machine_code({{g.phase()}}, 4, VectorCode::avx2, [](void*, std::size_t) { return false; }), nullptr);
 }
 

@@ -13,8 +13,8 @@
 #include "equations/evaluator.hpp"
 #include "execute/executors.hpp"
 #include "group/branch.hpp"
-#include "program/step_rules.hpp"
 #include "index.hpp"
+#include "program/step_rules.hpp"
 #include "scene/shipped_files.hpp"
 #include "scene/system.hpp"
 #include "simulation/random_mechanisms.hpp"
@@ -59,10 +59,10 @@ struct Setting {
     double omega;
   };
 
-  [[nodiscard]] test::StepMemory memory(std::size_t first, int lanes) const {
+  [[nodiscard]] test::StepMemory memory(std::size_t first, int lanes, std::size_t work) const {
     const auto n = idx(group_class.n), inputs = idx(group_class.inputs);
-    test::StepMemory m({equations.coefficients.size(), inputs, inputs, inputs, n, n, n, pivots_of_group_step(equations),
-                        reads.size(), 1, kGroupSettings, work_of_group_step(equations), kGroupFigures},
+    test::StepMemory m({equations.coefficients.size(), inputs, inputs, inputs, n, n, n,
+                        pivots_of_group_step(group_class), reads.size(), 1, kGroupSettings, work, kGroupFigures},
                        lanes);
     for (std::size_t l = 0; l < idx(lanes); ++l) {
       const Case& c = cases[first + l];
@@ -79,7 +79,7 @@ struct Setting {
         m({Memory::anchor, static_cast<std::uint32_t>(k)}, l) = reg < n ? c.unknowns[reg] : c.inputs[reg - n];
       }
       // Both orders of each pair of rows occur.
-      for (std::size_t k = 0; k < pivots_of_group_step(equations); ++k) {
+      for (std::size_t k = 0; k < pivots_of_group_step(group_class); ++k) {
         m({Memory::pivots, static_cast<std::uint32_t>(k)}, l) = (first + l + k) % 2 == 0 ? 1 : -1;
       }
       m({Memory::omega, 0}, l) = c.omega;
@@ -160,16 +160,16 @@ TEST(GroupStep, HasTheSameBitsForEveryExecutorAndNumberOfLanes) {
     const Structure& structure = *prepared.structure;
     for (std::int32_t c = 0; c < static_cast<std::int32_t>(structure.classes.size()); ++c) {
       const GroupClass& of = structure.classes[idx(c)];
-      if (of.n < 2 || of.n > 3 || !of.quadratic || of.blocks != 1 || of.first_wanted != 0) continue;
+      if (!has_group_step(of)) continue;
       SCOPED_TRACE(file.string() + ", class " + std::to_string(c));
       ++classes;
       const Setting at(structure, c, draw);
-      const StepProgram program = group_step(of, at.equations, at.reads);
+      const GroupProgram step = group_step(of, at.equations, at.reads);
       std::vector<std::vector<std::uint64_t>> expected;
-      for (const test::NamedExecutor& e : test::executors_of(program)) {
+      for (const test::NamedExecutor& e : test::executors_of(step.program)) {
         SCOPED_TRACE(e.name);
         for (std::size_t first = 0; first < kCases; first += idx(e.lanes)) {
-          test::StepMemory m = at.memory(first, e.lanes);
+          test::StepMemory m = at.memory(first, e.lanes, step.work);
           e.executor->run(m.at);
           for (std::size_t l = 0; l < idx(e.lanes); ++l) {
             const auto left = bits_of(m, at, l);

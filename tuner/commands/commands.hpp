@@ -65,17 +65,17 @@ struct RunOptions {
   std::vector<std::string> outputs;   // empty: those of the scene
   std::string strategy = "auto";
   std::vector<std::string> without;  // backends that `auto` leaves out
-  bool machine_code = false;         // PrepareOptions::machine_code
+  bool no_machine_code = false;      // not PrepareOptions::machine_code
   std::optional<Mode> mode;          // empty: throughput for an ensemble or a strategy with chunks, else latency
   std::string ensemble;              // CSV of parameters, a row for each member; empty: no ensemble
   double accuracy = 0;               // PrepareOptions::accuracy
   int iterations = 0;                // StepLimits::iterations
   output::MotionFileNames motion;
   NpyOptions motion_how;  // of --npy and --hdf5
-  std::string errors;   // CSV with the errors of each group in each step; empty: none
-  std::string animate;  // a page on which the mechanism moves; empty: none
-  std::string picture;  // the mechanism in motion, as SVG; empty: none
-  std::string plot;     // the outputs over time, as SVG; empty: none
+  std::string errors;     // CSV with the errors of each group in each step; empty: none
+  std::string animate;    // a page on which the mechanism moves; empty: none
+  std::string picture;    // the mechanism in motion, as SVG; empty: none
+  std::string plot;       // the outputs over time, as SVG; empty: none
   bool reference = false;
   bool certify = false;
   bool pin = false;  // keeps each thread on its own core

@@ -66,7 +66,7 @@ PrepareOptions how_of(const Common& common, const RunOptions& options) {
   how.strategy = options.strategy;
   how.without = options.without;
   how.accuracy = options.accuracy;
-  how.machine_code = options.machine_code;
+  how.machine_code = !options.no_machine_code;
   if (options.strategy == "auto" || !common.db.empty()) {
     const MachineModel known = machine_model_of(common);
     how.model = known.model;

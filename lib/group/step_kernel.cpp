@@ -1,0 +1,130 @@
+// Compiled once for each SIMD target; make_step_kernel() chooses the target.
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "group/step_kernel.cpp"
+#include <hwy/foreach_target.h>  // must precede the code compiled for each target
+
+#include "group/pack_source-inl.hpp"
+#include "program/small_group-inl.hpp"
+
+#include <algorithm>
+#include <optional>
+
+#include "equations/separable.hpp"
+#include "group/small_step.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace assur::HWY_NAMESPACE {
+namespace {
+
+template <int W>
+class StepSource : public PackSource<W> {
+  using L = Lanes<W>;
+
+ public:
+  StepSource(const Pack& pack, const double* const* state, double most_iterations, double converged)
+      : PackSource<W>(pack, state),
+        settings_{converged, most_iterations, largest_first_correction(pack.ball_used[0])} {}
+
+  HWY_INLINE L setting(GroupSetting s) const { return L::set(settings_[static_cast<std::size_t>(s)]); }
+
+ private:
+  double settings_[kGroupSettings];  // in the order of GroupSetting
+};
+
+template <int W, int N, class Equations>
+class StepKernel final : public SmallStep {
+  using L = Lanes<W>;
+  using Group = SmallGroup<L, N, Equations>;
+
+ public:
+  template <class... Arguments>
+  explicit StepKernel(std::span<const std::int32_t> reads, const GroupClass& group_class, const Arguments&... arguments)
+      : derivatives_(group_class.derivatives), reads_(reads), group_(group_class, arguments...) {}
+
+  bool run(const Pack& pack, double* const (&state)[3], int most_iterations, double converged,
+           SmallStepFigures& figures) override {
+    const StepSource<W> in(pack, state, most_iterations, converged);
+    typename Group::State s;
+    group_.begin(in, s);
+    while (!less_equal(s.active, L::set(0)).all()) group_.iterate(in, s);
+    typename Group::Figures of_step;
+    L rate[N], acceleration[N];
+    group_.finish(in, derivatives_, reads_, s, rate, acceleration, of_step);
+    if (derivatives_ > 0) store(rate, state[1] + pack.unknowns);
+    if (derivatives_ > 1) store(acceleration, state[2] + pack.unknowns);
+    if (!less_equal(s.failed, L::set(0)).all()) return false;
+    store(s.x, state[0] + pack.unknowns);
+    figures.iterations = static_cast<int>(s.iterations.largest());
+    raise(figures.position, s.relative);
+    raise(figures.velocity, of_step.velocity);
+    raise(figures.acceleration, of_step.acceleration);
+    figures.ball_used = of_step.ball_used.largest();
+    return true;
+  }
+
+ private:
+  static HWY_INLINE void store(const L (&from)[N], double* to) {
+    for (int j = 0; j < N; ++j) from[j].store(to + j * W);
+  }
+  static HWY_INLINE void raise(double& most, const L& by) {
+    if (HWY_UNLIKELY(!less_equal(by, L::set(most)).all())) most = std::max(most, by.largest());
+  }
+
+  int derivatives_;
+  std::span<const std::int32_t> reads_;  // coordinates that the branch test examines
+  Group group_;
+};
+
+template <int W, int N>
+SmallStep* of_size(const GroupClass& group_class, const Program& program, std::span<const std::int32_t> reads) {
+  using L = Lanes<W>;
+  const std::optional<Separable> separable = separate(program, group_class.input_moves);
+  if (!separable) return new StepKernel<W, N, GeneralEquations<L, N>>(reads, group_class, program);
+  if (!measures_distances(*separable, program)) {
+    return new StepKernel<W, N, SeparableEquations<L, N>>(reads, group_class, program, *separable);
+  }
+  return new StepKernel<W, N, DistanceEquations<L, N>>(reads, group_class, program, *separable);
+}
+
+template <int W>
+SmallStep* of_lanes(const GroupClass& group_class, const Program& program, std::span<const std::int32_t> reads) {
+  return program.n == 2 ? of_size<W, 2>(group_class, program, reads) : of_size<W, 3>(group_class, program, reads);
+}
+
+#if (HWY_TARGET == HWY_SCALAR || HWY_TARGET == HWY_EMU128) && !defined(HWY_COMPILE_ONLY_SCALAR)
+// Without SIMD, these steps would take half of the compile time of this file. GroupSolver does without them where other
+// targets are compiled, too.
+SmallStep* make(const GroupClass&, const Program&, std::span<const std::int32_t>, int) { return nullptr; }
+#else
+SmallStep* make(const GroupClass& group_class, const Program& program, std::span<const std::int32_t> reads, int lanes) {
+  switch (lanes) {
+    case 1:
+      return of_lanes<1>(group_class, program, reads);
+    case 2:
+      return of_lanes<2>(group_class, program, reads);
+    case 4:
+      return of_lanes<4>(group_class, program, reads);
+    case 8:
+      return of_lanes<8>(group_class, program, reads);
+    default:
+      return of_lanes<16>(group_class, program, reads);
+  }
+}
+#endif
+
+}  // namespace
+}  // namespace assur::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace assur {
+
+HWY_EXPORT(make);
+
+std::unique_ptr<SmallStep> make_step_kernel(const Workspace& work, const BlockConditions& blocks) {
+  return std::unique_ptr<SmallStep>(
+      HWY_DYNAMIC_DISPATCH(make)(work.group_class, work.program, blocks.reads(0), work.lanes));
+}
+
+}  // namespace assur
+#endif

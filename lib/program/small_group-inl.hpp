@@ -1,0 +1,216 @@
+// The step of a small group: Newton's method, velocity, acceleration and the branch test, by the rules of
+// step_rules.hpp and of NewtonStep. Each lane computes and decides for itself, so its bits do not depend on its
+// neighbours. The same text runs in registers (group/small_step.cpp) and writes the program of the step
+// (program/group_step.cpp). Included once for each target, inside its HWY_NAMESPACE (see Highway, "foreach_target.h").
+#if defined(ASSUR_SMALL_GROUP_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef ASSUR_SMALL_GROUP_INL
+#undef ASSUR_SMALL_GROUP_INL
+#else
+#define ASSUR_SMALL_GROUP_INL
+#endif
+
+#include "program/distance_equations-inl.hpp"
+#include "program/general_equations-inl.hpp"
+#include "program/separable_equations-inl.hpp"
+#include "program/small_lu-inl.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "program/group_step.hpp"
+#include "program/step_rules.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace assur::HWY_NAMESPACE {
+
+// L: Lanes, or Value. Equations: DistanceEquations, SeparableEquations or GeneralEquations. Source: reads the numbers
+// of a pack, by
+//   L coefficient(i)               of the equations, also zero_coefficient() and one_coefficient()
+//   L input(d, i), unknown(j)      d-th derivative of an input; predicted unknown
+//   L pivot(k), anchor(k), omega() see Memory
+//   L setting(GroupSetting)
+template <class L, int N, class Equations>
+class SmallGroup {
+  using Column = L[N];
+  using Matrix = L[N][N];
+
+ public:
+  // Between the phases.
+  struct State {
+    Column x, phi, weight;                   // unknowns, equations, 1 / their scales
+    L relative, active, failed, iterations;  // largest |phi| weight; 1 as long as the lane iterates; see GroupFigure
+  };
+  struct Figures {
+    L velocity, acceleration, ball_used;
+  };
+
+  template <class... Arguments>
+  explicit SmallGroup(const Arguments&... arguments) : equations_(arguments...) {}
+
+  [[nodiscard]] Equations& equations() { return equations_; }
+
+  template <class Source>
+  HWY_INLINE void begin(const Source& in, State& s) {
+    equations_.set_inputs(in);
+    for (int j = 0; j < N; ++j) s.x[j] = in.unknown(j);
+    typename Equations::Values u;
+    equations_.evaluate(in, s.x, u, s.phi);
+    for (int i = 0; i < N; ++i) {
+      const L scale = equations_.scale_of(in, i, s.x, u), one = L::set(1);
+      s.weight[i] = one / if_at_most(scale, L::set(0), one, scale);
+    }
+    Column ratio;
+    multiply(s.phi, s.weight, ratio);
+    s.relative = largest_of(ratio);
+    s.active = is_open(ratio, in.setting(GroupSetting::converged_at));
+    s.failed = s.iterations = L::set(0);
+  }
+
+  // One correction. A lane that is not active keeps its numbers.
+  template <class Source>
+  HWY_INLINE void iterate(const Source& in, State& s) {
+    const L zero = L::set(0), one = L::set(1);
+    typename Equations::Values u;
+    Matrix jacobian;
+    Column next, phi, by, ratio;
+    equations_.evaluate(in, s.x, u, phi);
+    equations_.differentiate(in, u, jacobian);
+    L failed = factorize(in, jacobian);
+    lu_.solve(s.phi, by);
+    for (int j = 0; j < N; ++j) next[j] = s.x[j] - by[j];
+    equations_.evaluate(in, next, u, phi);
+    multiply(phi, s.weight, ratio);
+
+    const L relative = largest_of(ratio), iterations = s.iterations + one;
+    const L is_near = if_at_most(part_of_ball(in, by), in.setting(GroupSetting::largest_first), failed, one);
+    failed = if_at_most(s.iterations, zero, is_near, failed);
+    failed = if_at_most(failed + (relative - relative), zero, zero, one);  // also if it is not finite
+    const L open = is_open(ratio, in.setting(GroupSetting::converged_at));
+    L falls = relative;  // above 0: slowly
+    falls.subtract_product(s.relative, L::set(0.25));
+    const L only_rounding = if_at_most(falls, zero, zero, if_at_most(relative, L::set(kRoundingLevel), one, zero));
+    if (equations_.may_vanish()) {
+      const L slow = if_at_most(falls, zero, failed, if_at_most(iterations, one, failed, one));
+      failed = if_at_most(open, zero, failed, slow);
+    }
+    const L still_open = if_at_most(only_rounding, zero, open, zero);
+    const L too_many = if_at_most(in.setting(GroupSetting::most_iterations), iterations, one, failed);
+    failed = if_at_most(still_open, zero, failed, too_many);
+    const L goes_on = if_at_most(failed, zero, still_open, zero);
+
+    const auto keep = [&](L& of, const L& value) { of = if_at_most(s.active, zero, of, value); };
+    for (int i = 0; i < N; ++i) {
+      keep(s.x[i], next[i]);
+      keep(s.phi[i], phi[i]);
+    }
+    keep(s.relative, relative);
+    keep(s.failed, failed);
+    keep(s.iterations, iterations);
+    s.active = if_at_most(s.active, zero, zero, goes_on);
+  }
+
+  // Velocity and acceleration, as far as `derivatives` says. Makes State::failed 0 or 1. reads: coordinates of the
+  // branch test, as registers.
+  template <class Source>
+  HWY_INLINE void finish(const Source& in, int derivatives, std::span<const std::int32_t> reads, State& s, Column& rate,
+                         Column& acceleration, Figures& figures) {
+    figures.velocity = figures.acceleration = L::set(0);
+    if (derivatives > 0) {
+      typename Equations::Values u;
+      Matrix jacobian;
+      Column rhs;
+      equations_.evaluate(in, s.x, u, rhs);
+      equations_.differentiate(in, u, jacobian);
+      const L poor = factorize(in, jacobian), norm = norm_of(jacobian);
+      equations_.set_rates(in);
+      equations_.velocity_rhs(in, s.x, u, rhs);
+      lu_.solve(rhs, rate);
+      figures.velocity = residual(jacobian, norm, rate, rhs);
+      s.failed = s.failed + poor + (figures.velocity - figures.velocity);
+      if (derivatives > 1) {
+        equations_.set_accelerations(in);
+        equations_.acceleration_rhs(in, s.x, u, rate, rhs);
+        lu_.solve(rhs, acceleration);
+        figures.acceleration = residual(jacobian, norm, acceleration, rhs);
+        s.failed = s.failed + (figures.acceleration - figures.acceleration);
+      }
+    }
+    L moved = L::set(0), poison = moved;
+    for (std::size_t k = 0; k < reads.size(); ++k) {
+      const L at = reads[k] < N ? s.x[reads[k]] : equations_.input(reads[k] - N);
+      include(at - in.anchor(k), moved, poison);
+    }
+    figures.ball_used = times_omega(in, moved) + poison;
+    s.failed = if_at_most(s.failed, L::set(0), L::set(0), L::set(1));
+  }
+
+ private:
+  template <class Source>
+  HWY_INLINE L factorize(const Source& in, const Matrix& matrix) {
+    return lu_.factorize(matrix, [&](std::size_t k) HWY_ATTR { return in.pivot(k); });
+  }
+  static HWY_INLINE void multiply(const Column& a, const Column& b, Column& out) {
+    for (int i = 0; i < N; ++i) out[i] = a[i] * b[i];
+  }
+  // poison: NaN if a number is not finite, else 0. The comparisons of a maximum would lose it.
+  static HWY_INLINE void include(const L& number, L& largest, L& poison) {
+    largest = max(abs(number), largest);
+    poison = poison + (number - number);
+  }
+  static HWY_INLINE L largest_of(const Column& numbers) {
+    L largest = L::set(0), poison = largest;
+    for (int i = 0; i < N; ++i) include(numbers[i], largest, poison);
+    return largest + poison;
+  }
+  // 0 if all numbers are at most the bound, else 1, also for NaN.
+  static HWY_INLINE L is_open(const Column& numbers, const L& bound) {
+    L open = L::set(0);
+    for (int i = 0; i < N; ++i) open = if_at_most(abs(numbers[i]), bound, open, L::set(1));
+    return open;
+  }
+  // A step of 0 is within any ball.
+  template <class Source>
+  static HWY_INLINE L times_omega(const Source& in, const L& size) {
+    return if_at_most(size, L::set(0), size, in.omega() * size);
+  }
+  template <class Source>
+  static HWY_INLINE L part_of_ball(const Source& in, const Column& by) {
+    L largest = L::set(0), poison = largest;
+    for (int i = 0; i < N; ++i) include(by[i], largest, poison);
+    return times_omega(in, largest) + poison;
+  }
+  // Maximum norm.
+  static HWY_INLINE L norm_of(const Matrix& matrix) {
+    L largest = L::set(0);
+    for (int i = 0; i < N; ++i) {
+      L sum = abs(matrix[i][0]);
+      for (int j = 1; j < N; ++j) sum = sum + abs(matrix[i][j]);
+      largest = max(sum, largest);
+    }
+    return largest;
+  }
+  // |b - J x| / (|J| |x| + |b|) in maximum norms.
+  static HWY_INLINE L residual(const Matrix& jacobian, const L& norm, const Column& x, const Column& b) {
+    const L zero = L::set(0);
+    L left = zero, poison = zero, norm_x = zero, size = zero;
+    for (int i = 0; i < N; ++i) {
+      L rest = b[i];
+      for (int j = 0; j < N; ++j) rest.subtract_product(jacobian[i][j], x[j]);
+      include(rest, left, poison);
+      norm_x = max(abs(x[i]), norm_x);
+      size = max(abs(b[i]), size);
+    }
+    size.add_product(norm, norm_x);
+    return (left + poison) / if_at_most(size, zero, L::set(1), size);
+  }
+
+  Equations equations_;
+  SmallLu<L, N> lu_;
+};
+
+// NOLINTNEXTLINE(google-readability-namespace-comments)
+}  // namespace assur::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif  // include guard for each target
