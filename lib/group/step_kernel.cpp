@@ -56,8 +56,8 @@ class StepKernel final : public SmallStep {
     store(s.x, state[0] + pack.unknowns);
     figures.iterations = static_cast<int>(s.iterations.largest());
     raise(figures.position, s.relative);
-    raise(figures.velocity, of_step.velocity);
-    raise(figures.acceleration, of_step.acceleration);
+    if (derivatives_ > 0) raise(figures.velocity, of_step.velocity);
+    if (derivatives_ > 1) raise(figures.acceleration, of_step.acceleration);
     figures.ball_used = of_step.ball_used.largest();
     return true;
   }
