@@ -6,8 +6,8 @@
 
 #include "assur/report.hpp"
 #include "group/pack_limit.hpp"
-#include "program/step_rules.hpp"
 #include "numbers.hpp"
+#include "program/step_rules.hpp"
 
 namespace assur {
 

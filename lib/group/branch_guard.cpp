@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "program/step_rules.hpp"
 #include "numbers.hpp"
+#include "program/step_rules.hpp"
 
 namespace assur {
 
@@ -14,38 +14,24 @@ BranchGuard::BranchGuard(Workspace& work, JacobianSolver& solver)
   there_phi_.resize(work_.size());
   there_jacobian_.resize(work_.jacobian.size());
   there_inputs_.resize(work_.inputs.size());
-  omega_.resize(idx(work_.lanes));
+  for (LaneArray* v : {&omega_, &used_}) v->resize(idx(work_.lanes));
+  for (auto* v : {&changes_, &renewed_}) v->resize(idx(work_.lanes));
   posture_errors_.resize(idx(work_.lanes));
 }
 
-double BranchGuard::ball_use(const Pack& pack, const double* x, std::int32_t b) const {
+// Fills used_.
+void BranchGuard::use_ball(const Pack& pack, const double* x, std::int32_t b) {
   const auto reads = blocks_.reads(b);
-  return work_.kernels.ball_use(reads.data(), static_cast<std::int32_t>(reads.size()), work_.program.n, x,
-                                work_.inputs.data(), pack.anchor.data() + blocks_.reads_start(b) * idx(work_.lanes),
-                                pack.omega.data() + b * work_.lanes);
-}
-
-// ball_use() of one lane.
-double BranchGuard::ball_use_of(const Pack& pack, const double* x, std::int32_t b, std::int32_t lane) const {
-  const double* anchor = pack.anchor.data() + blocks_.reads_start(b) * idx(work_.lanes) + lane;
-  double moved = 0;
-  for (const std::int32_t c : blocks_.reads(b)) {
-    const double at =
-        c < work_.program.n ? x[c * work_.lanes + lane] : work_.inputs[idx((c - work_.program.n) * work_.lanes + lane)];
-    const double by = std::abs(at - *anchor);
-    if (!(by <= moved)) moved = by;
-    anchor += work_.lanes;
-  }
-  return pack.omega[idx(b * work_.lanes + lane)] * moved;
+  work_.kernels.ball_use(reads.data(), static_cast<std::int32_t>(reads.size()), work_.program.n, x, work_.inputs.data(),
+                         pack.anchor.data() + blocks_.reads_start(b) * idx(work_.lanes),
+                         pack.omega.data() + b * work_.lanes, used_.data());
 }
 
 // Tests the lanes that left the ball coordinate by coordinate. Returns the failure of the lane that is farthest out.
 Status BranchGuard::check_tubes(const Pack& pack, double* const (&state)[3], std::int32_t b, const Attempt& attempt) {
-  const double seconds = attempt.time - pack.anchor_time[idx(b)];
-  const double* x = state[0] + pack.unknowns;
   Status worst;
   for (std::int32_t l = 0; l < pack.used; ++l) {
-    const double used = ball_use_of(pack, x, b, l);
+    const double used = used_[idx(l)], seconds = attempt.time - pack.anchor_time[idx(b * work_.lanes + l)];
     if (used <= std::max(kBall, worst.figure) || tube_leads_here(pack, state, b, l, seconds)) continue;
     worst = pack.failed(Code::branch_unknown, used, l);
   }
@@ -84,11 +70,11 @@ bool BranchGuard::tube_leads_here(const Pack& pack, double* const (&state)[3], s
   return leads;
 }
 
-// Makes the posture the anchor of the next steps. Fails if it is so close to a singular posture that rounding decides
-// about the branch.
+// Makes the posture the anchor of the next steps in the lanes of changes_. Fails if it is so close to a singular
+// posture that rounding decides about the branch.
 Status BranchGuard::set_anchor(Pack& pack, double* const (&state)[3], std::int32_t b, const Attempt& attempt,
                                Counters& counters) {
-  counters.branch_checks += pack.used;
+  counters.branch_checks += std::count(changes_.begin(), changes_.begin() + pack.used, 1);
   const std::size_t w = idx(work_.lanes);
   using Factors = JacobianSolver::Factors;
   if (blocks_.needs_solver(b) && solver_.factors() != Factors::solution) {
@@ -99,27 +85,37 @@ Status BranchGuard::set_anchor(Pack& pack, double* const (&state)[3], std::int32
                   {omega_.data(), posture_errors_.data()});
   if (attempt.branch == Attempt::Branch::inside) {
     for (std::int32_t l = 0; l < pack.used; ++l) {
+      if (changes_[idx(l)] == 0) continue;
       const double error = kConverged * posture_errors_[idx(l)];
       if (!(omega_[idx(l)] * error <= kRoundingRoom)) return pack.failed(Code::branch_unknown, error, l);
     }
   }
   pack.keep_anchor(attempt.number);
-  std::copy(omega_.begin(), omega_.end(), pack.omega.begin() + b * work_.lanes);
+  const auto change = [&](const double* from, double* to) {
+    for (std::size_t l = 0; l < w; ++l) {
+      if (changes_[l] != 0) to[l] = from[l];
+    }
+  };
+  change(omega_.data(), pack.omega.data() + idx(b) * w);
   work_.gather(pack, state[1], work_.input_rates);
   const std::size_t first = blocks_.reads_start(b) * w;
   double *anchor = pack.anchor.data() + first, *rates = pack.anchor_rates.data() + first;
   for (const std::int32_t c : blocks_.reads(b)) {
     const bool unknown = c < work_.program.n;
     const std::size_t at = unknown ? pack.unknowns + idx(c) * w : idx(c - work_.program.n) * w;
-    std::copy_n(unknown ? state[0] + at : work_.inputs.data() + at, w, anchor);
-    std::copy_n(unknown ? state[1] + at : work_.input_rates.data() + at, w, rates);
+    change(unknown ? state[0] + at : work_.inputs.data() + at, anchor);
+    change(unknown ? state[1] + at : work_.input_rates.data() + at, rates);
     anchor += w;
     rates += w;
   }
   // Without rates the cubic, and so the tube, is unknown.
   const bool has_rates = work_.group_class.derivatives > 0 || attempt.all_rates;
-  pack.anchor_time[idx(b)] = has_rates ? attempt.time : kNan;
-  pack.ball_used[idx(b)] = 0;
+  for (std::size_t l = 0; l < w; ++l) {
+    if (changes_[l] == 0) continue;
+    renewed_[l] = 1;
+    pack.anchor_time[idx(b) * w + l] = has_rates ? attempt.time : kNan;
+    pack.ball_used[idx(b) * w + l] = 0;
+  }
   return {};
 }
 
@@ -127,15 +123,15 @@ Status BranchGuard::set_anchor(Pack& pack, double* const (&state)[3], std::int32
 // not, a box around the prediction, whose equations the workspace holds, must contain exactly one solution.
 Status BranchGuard::check_first_correction(const Pack& pack) {
   for (std::int32_t b = 0; b < work_.program.blocks; ++b) {
-    const double used = pack.ball_used[idx(b)];
+    const double* used = pack.ball_used.data() + b * work_.lanes;
     const double *omega = pack.omega.data() + b * work_.lanes, *largest = work_.correction.data() + b * work_.lanes;
     for (int l = 0; l < pack.used; ++l) {
-      if (largest[l] == 0 || omega[l] * largest[l] <= largest_first_correction(used)) continue;
+      if (largest[l] == 0 || omega[l] * largest[l] <= largest_first_correction(used[l])) continue;
       work_.evaluator->scale(work_.scale.data());
       const bool one = blocks_.invert(b, l, work_.jacobian.data()) &&
                        blocks_.holds_one_solution(b, l, work_.jacobian.data(), work_.jacobian.data(), work_.phi.data(),
                                                   work_.scale.data(), pack.coefficients.data());
-      if (!one) return pack.failed(Code::branch_unknown, omega[l] * largest[l] / (1 - used), l);
+      if (!one) return pack.failed(Code::branch_unknown, omega[l] * largest[l] / (1 - used[l]), l);
     }
   }
   return {};
@@ -148,19 +144,21 @@ bool BranchGuard::stays_inside(double used, double& before) {
 }
 
 Status BranchGuard::check(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters) {
+  std::fill(renewed_.begin(), renewed_.end(), std::uint8_t{0});
   if (!work_.group_class.quadratic) return {};
   const double* x = state[0] + pack.unknowns;
   pack.keep_use(attempt.number);
   for (std::int32_t b = 0; b < work_.program.blocks; ++b) {
-    double& before = pack.ball_used[idx(b)];
-    if (attempt.branch == Attempt::Branch::inside) {
-      const double used = ball_use(pack, x, b);
-      if (!(used <= kBall)) {
-        if (const Status s = check_tubes(pack, state, b, attempt); !s.ok()) return s;
-      }
-      if (stays_inside(used, before)) continue;
-    }
     // At the start, after a change point, and before the next step of this length would leave the ball.
+    std::fill(changes_.begin(), changes_.end(), std::uint8_t{1});
+    if (attempt.branch == Attempt::Branch::inside) {
+      use_ball(pack, x, b);
+      if (const Status s = check_tubes(pack, state, b, attempt); !s.ok()) return s;
+      for (std::size_t l = 0; l < used_.size(); ++l) {
+        changes_[l] = stays_inside(used_[l], pack.ball_used[idx(b * work_.lanes) + l]) ? 0 : 1;
+      }
+      if (std::find(changes_.begin(), changes_.end(), 1) == changes_.end()) continue;
+    }
     if (const Status s = set_anchor(pack, state, b, attempt, counters); !s.ok()) return s;
   }
   return {};

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
+#include <vector>
 
 #include "group/attempt.hpp"
 #include "group/branch.hpp"
@@ -24,16 +26,17 @@ class BranchGuard {
   [[nodiscard]] Status check_first_correction(const Pack& pack);
 
   // Tests the solved posture in the workspace, with its rates: ok if it is inside the ball, or if a tube leads to it.
-  // If the ball is used up or was not measured yet, the posture becomes the anchor.
+  // Each lane decides for itself: if its ball is used up or was not measured yet, its posture becomes the anchor.
   [[nodiscard]] Status check(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters);
+  // After check(): W, 1 for the lanes with a new anchor in any block.
+  [[nodiscard]] std::span<const std::uint8_t> renewed() const { return renewed_; }
 
   // True if the next step of this length stays inside the ball, too; `before`, the used part of the ball, then becomes
   // `used`.
   [[nodiscard]] static bool stays_inside(double used, double& before);
 
  private:
-  [[nodiscard]] double ball_use(const Pack& pack, const double* x, std::int32_t block) const;
-  [[nodiscard]] double ball_use_of(const Pack& pack, const double* x, std::int32_t block, std::int32_t lane) const;
+  void use_ball(const Pack& pack, const double* x, std::int32_t block);
   [[nodiscard]] Status check_tubes(const Pack& pack, double* const (&state)[3], std::int32_t block,
                                    const Attempt& attempt);
   [[nodiscard]] bool tube_leads_here(const Pack& pack, double* const (&state)[3], std::int32_t block, int lane,
@@ -46,6 +49,8 @@ class BranchGuard {
   BlockConditions blocks_;
   LaneArray there_, there_inputs_, there_phi_, there_jacobian_;  // of a posture of a tube
   LaneArray omega_, posture_errors_;                             // W: of one block
+  LaneArray used_;                                               // W: part of the ball, of one block
+  std::vector<std::uint8_t> changes_, renewed_;                  // W: the anchor of this block, of any block
 };
 
 }  // namespace assur

@@ -21,6 +21,10 @@ class CodedStep final : public SmallStep {
 
  private:
   void set(GroupSetting setting, double value);
+  template <class Row>
+  [[nodiscard]] double* row(LaneArray& of, Row number) const {
+    return of.data() + static_cast<std::size_t>(number) * idx(work_.lanes);
+  }
   [[nodiscard]] double*& at(Memory m) { return memory_[static_cast<std::size_t>(m)]; }
 
   const Workspace& work_;
@@ -29,7 +33,6 @@ class CodedStep final : public SmallStep {
   std::array<double, kGroupSettings> set_{};
   LaneArray settings_, values_, figures_;  // memory of the code, rows x W
   std::array<double*, kMemories> memory_{};
-  std::size_t unknowns_ = 0;  // of all lanes
 };
 
 CodedStep::CodedStep(const Workspace& work, CodeOfStep code) : work_(work), code_(std::move(code.executor)) {
@@ -38,7 +41,6 @@ CodedStep::CodedStep(const Workspace& work, CodeOfStep code) : work_(work), code
   settings_.assign(kGroupSettings * w, 0.0);
   values_.assign(code.work * w, 0.0);
   figures_.assign(kGroupFigures * w, 0.0);
-  unknowns_ = idx(work.program.n) * w;
   at(Memory::inputs) = inputs_[0].data();
   at(Memory::input_rates) = inputs_[1].data();
   at(Memory::input_accelerations) = inputs_[2].data();
@@ -51,7 +53,7 @@ void CodedStep::set(GroupSetting setting, double value) {
   const auto s = static_cast<std::size_t>(setting);
   if (set_[s] == value) return;
   set_[s] = value;
-  std::fill_n(settings_.begin() + static_cast<std::ptrdiff_t>(s * idx(work_.lanes)), work_.lanes, value);
+  std::fill_n(row(settings_, setting), work_.lanes, value);
 }
 
 bool CodedStep::run(const Pack& pack, double* const (&state)[3], int most_iterations, double converged,
@@ -68,7 +70,7 @@ bool CodedStep::run(const Pack& pack, double* const (&state)[3], int most_iterat
   }
   set(GroupSetting::converged_at, converged);
   set(GroupSetting::most_iterations, most_iterations);
-  set(GroupSetting::largest_first, largest_first_correction(pack.ball_used[0]));
+  std::copy_n(pack.ball_used.begin(), work_.lanes, row(settings_, GroupSetting::ball_used));
   const auto put = [&](Memory m, const double* from) { at(m) = const_cast<double*>(from); };
   put(Memory::coefficients, pack.coefficients.data());
   put(Memory::unknowns, state[0] + pack.unknowns);
@@ -82,14 +84,14 @@ bool CodedStep::run(const Pack& pack, double* const (&state)[3], int most_iterat
   const double* largest = figures_.data();
   if (work_.lanes > 1) work_.kernels.row_maxima(figures_.data(), kGroupFigures, of_all), largest = of_all;
   const auto figure = [&](GroupFigure f) { return largest[static_cast<std::size_t>(f)]; };
+  figures.failed = row(figures_, GroupFigure::failed);
   if (figure(GroupFigure::failed) > 0) return false;
-  figures.iterations = static_cast<int>(figure(GroupFigure::iterations));
+  figures.iterations = row(figures_, GroupFigure::iterations);
   figures.position = std::max(figures.position, figure(GroupFigure::position));
   if (derivatives > 0) figures.velocity = std::max(figures.velocity, figure(GroupFigure::velocity));
   if (derivatives > 1) figures.acceleration = std::max(figures.acceleration, figure(GroupFigure::acceleration));
-  figures.ball_used = figure(GroupFigure::ball_used);
-  double* const x = state[0] + pack.unknowns;
-  for (std::size_t i = 0; i < unknowns_; ++i) x[i] = values_[i];
+  figures.ball_used = row(figures_, GroupFigure::ball_used);
+  figures.balls_last = figure(GroupFigure::needs_anchor) <= 0;
   return true;
 }
 

@@ -11,8 +11,8 @@
 #include <type_traits>
 
 #include "backends/residual.hpp"
-#include "program/step_rules.hpp"
 #include "numbers.hpp"
+#include "program/step_rules.hpp"
 #include "signals/random_sign.hpp"
 
 namespace assur {

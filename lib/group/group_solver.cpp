@@ -17,6 +17,11 @@ GroupSolver::GroupSolver(const System& system, const Structure& structure, std::
       step_(work_, solver_, guard_, choice.solver),
       probe_(system, work_, solver_, guard_.blocks()) {
   if (has_small_steps(choice.solver)) small_step_ = make_small_step(work_, guard_.blocks(), code);
+  is_kept_.resize(idx(work_.lanes));
+  if (!small_step_) return;
+  for (LaneArray& of : kept_) of.resize(work_.size());
+  predicted_.resize(work_.size());
+  omega_.resize(idx(work_.lanes));
 }
 
 void GroupSolver::size(Pack& pack) const {
@@ -26,10 +31,10 @@ void GroupSolver::size(Pack& pack) const {
   pack.lipschitz.resize(idx(work_.program.n) * w);
   pack.anchor.resize(guard_.blocks().reads_start(work_.program.blocks) * w);
   pack.omega.assign(idx(work_.program.blocks) * w, 0.0);
-  pack.own_use.assign(idx(work_.program.blocks), 0.0);
+  pack.own_use.assign(idx(work_.program.blocks) * w, 0.0);
   pack.ball_used = pack.own_use;
   pack.anchor_rates.resize(pack.anchor.size());
-  pack.anchor_time.assign(idx(work_.program.blocks), kNan);
+  pack.anchor_time.assign(idx(work_.program.blocks) * w, kNan);
   pack.kept = {0, 0, 0, pack.own_use, pack.anchor, pack.anchor_rates, pack.anchor_time, pack.omega, {}};
 }
 
@@ -44,18 +49,60 @@ void GroupSolver::bind_lane(const System& system, const Group& group, Pack& pack
 Status GroupSolver::solve(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters,
                           StepErrors& errors) {
   if (attempt.branch == Attempt::Branch::limit) return take(*attempt.limit, pack, state, counters, errors);
+  std::fill(is_kept_.begin(), is_kept_.end(), std::uint8_t{0});
   if (Status s; small_step_ && small_step(pack, state, attempt, counters, errors, s)) return s;
   solver_.choose(pack);
   pack.kept.factors_of = attempt.number;
   work_.set_inputs(pack, state[0]);
-  if (const Status s = step_.position(pack, state[0] + pack.unknowns, attempt, counters, errors); !s.ok()) return s;
-  if (attempt.branch == Attempt::Branch::anywhere) return {};
-  if (const Status s = step_.derivatives(pack, state, attempt, counters, errors); !s.ok()) return s;
-  if (small_step_) {
-    pack.keep_anchor(attempt.number);
-    choose_pivots(work_, pack);
+  double* const x = state[0] + pack.unknowns;
+  if (small_step_) std::copy_n(x, predicted_.size(), predicted_.begin());
+  StepErrors found;
+  if (const Status s = step_.position(pack, x, attempt, is_kept_, counters, found); !s.ok()) return s;
+  const bool searches = attempt.branch == Attempt::Branch::anywhere;
+  if (!searches) {
+    if (const Status s = step_.derivatives(pack, state, attempt, counters, found); !s.ok()) return s;
+    if (small_step_) solve_in_lanes(pack, state, attempt, found);
   }
-  return guard_.check(pack, state, attempt, counters);
+  errors.merge(found);
+  return searches ? Status{} : guard_.check(pack, state, attempt, counters);
+}
+
+// What the general path has solved is solved by small steps as well, now that its branch is known: their bits depend
+// neither on neighbours in the pack nor on W. Lanes that do not succeed keep the results of the general path.
+void GroupSolver::solve_in_lanes(Pack& pack, double* const (&state)[3], const Attempt& attempt, StepErrors& errors) {
+  pack.keep_anchor(attempt.number);
+  take_kept(pack, state);
+  for (std::uint8_t& lane : is_kept_) lane ^= 1;
+  choose_pivots(work_, pack, is_kept_);
+  if (attempt.branch == Attempt::Branch::pass || !serves(attempt)) return;
+  keep(pack, state);
+  std::copy(predicted_.begin(), predicted_.end(), state[0] + pack.unknowns);
+  std::copy(pack.omega.begin(), pack.omega.end(), omega_.begin());
+  std::fill(pack.omega.begin(), pack.omega.end(), 0.0);
+  SmallStepFigures figures;
+  const bool all = small_step_->run(pack, state, attempt.most_iterations, attempt.converged, figures);
+  std::copy(omega_.begin(), omega_.end(), pack.omega.begin());
+  for (std::size_t l = 0; l < is_kept_.size(); ++l) is_kept_[l] = figures.failed[l] <= 0 ? 0 : 1;
+  take_kept(pack, state);
+  work_.evaluate(state[0] + pack.unknowns);
+  if (!all) return;
+  if (figures.position <= kConverged) errors.position = figures.position;
+  if (work_.group_class.derivatives > 0) errors.velocity = figures.velocity;
+  if (work_.group_class.derivatives > 1) errors.acceleration = figures.acceleration;
+}
+
+void GroupSolver::keep(const Pack& pack, double* const (&state)[3]) {
+  for (std::size_t d = 0; d < 3; ++d) std::copy_n(state[d] + pack.unknowns, kept_[d].size(), kept_[d].begin());
+}
+
+void GroupSolver::take_kept(const Pack& pack, double* const (&state)[3]) const {
+  if (std::find(is_kept_.begin(), is_kept_.end(), 1) == is_kept_.end()) return;
+  for (std::size_t d = 0; d < 3; ++d) {
+    double* const to = state[d] + pack.unknowns;
+    for (std::size_t i = 0; i < kept_[d].size(); ++i) {
+      if (is_kept_[i % is_kept_.size()] != 0) to[i] = kept_[d][i];
+    }
+  }
 }
 
 Status GroupSolver::take(const PackLimit& limit, const Pack& pack, double* const (&state)[3], Counters& counters,
@@ -71,26 +118,37 @@ Status GroupSolver::take(const PackLimit& limit, const Pack& pack, double* const
 
 bool GroupSolver::small_step(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters,
                              StepErrors& errors, Status& status) {
-  if (attempt.branch != Attempt::Branch::inside || attempt.iterations > 0) return false;
-  if (attempt.all_rates && work_.group_class.derivatives == 0) return false;
-  SmallStepFigures figures{0, errors.position, errors.velocity, errors.acceleration, 0};
-  if (!small_step_->run(pack, state, attempt.most_iterations, attempt.converged, figures)) return false;
-  const int factorizations = figures.iterations + (work_.group_class.derivatives > 0 ? 1 : 0);
-  const std::int64_t unknowns = std::int64_t{pack.used} * work_.program.n;
-  counters.group_solutions += pack.used;
-  counters.newton_iterations += std::int64_t{pack.used} * figures.iterations;
-  counters.most_iterations = std::max<std::int64_t>(counters.most_iterations, figures.iterations);
-  counters.evaluated_equations += unknowns * (figures.iterations + 1);
-  counters.factorizations += std::int64_t{pack.used} * factorizations;
-  counters.factorized_unknowns += unknowns * factorizations;
-  counters.solved_unknowns += unknowns * (figures.iterations + work_.group_class.derivatives);
+  if (attempt.branch != Attempt::Branch::inside || !serves(attempt)) return false;
+  SmallStepFigures figures{errors.position, errors.velocity, errors.acceleration};
+  if (!small_step_->run(pack, state, attempt.most_iterations, attempt.converged, figures)) {
+    for (std::size_t l = 0; l < is_kept_.size(); ++l) is_kept_[l] = figures.failed[l] <= 0 ? 1 : 0;
+    keep(pack, state);
+    return false;
+  }
+  std::int64_t iterations = 0;
+  for (std::int32_t l = 0; l < pack.used; ++l) {
+    const auto of_lane = static_cast<std::int64_t>(figures.iterations[l]);
+    iterations += of_lane;
+    counters.most_iterations = std::max(counters.most_iterations, of_lane);
+  }
+  const std::int64_t n = work_.program.n, used = pack.used, derivatives = work_.group_class.derivatives;
+  const std::int64_t factorizations = iterations + (derivatives > 0 ? used : 0);
+  counters.group_solutions += used;
+  counters.newton_iterations += iterations;
+  counters.evaluated_equations += n * (iterations + used);
+  counters.factorizations += factorizations;
+  counters.factorized_unknowns += n * factorizations;
+  counters.solved_unknowns += n * (iterations + used * derivatives);
   if (figures.position > std::max(errors.position, kConverged)) {
     figures.position = std::max(errors.position, step_.residual_of(pack, state[0]));
   }
   errors = {figures.position, figures.velocity, figures.acceleration};
   pack.keep_use(attempt.number);
-  if (BranchGuard::stays_inside(figures.ball_used, pack.ball_used[0])) return true;
-  status = renew_anchor(pack, state, attempt, counters);
+  if (figures.balls_last) {
+    std::copy_n(figures.ball_used, work_.lanes, pack.ball_used.begin());
+  } else {
+    status = renew_anchor(pack, state, attempt, counters);
+  }
   return true;
 }
 
@@ -98,8 +156,9 @@ Status GroupSolver::renew_anchor(Pack& pack, double* const (&state)[3], const At
   pack.keep_anchor(attempt.number);
   work_.set_inputs(pack, state[0]);
   work_.evaluate(state[0] + pack.unknowns);
-  choose_pivots(work_, pack);
-  return guard_.check(pack, state, attempt, counters);
+  const Status s = guard_.check(pack, state, attempt, counters);
+  if (s.ok()) choose_pivots(work_, pack, guard_.renewed());
+  return s;
 }
 
 }  // namespace assur

@@ -2,9 +2,11 @@
 // registers, by machine code where there is some.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "assur/plan.hpp"
 #include "execute/step_code.hpp"
@@ -59,8 +61,8 @@ class GroupSolver {
   [[nodiscard]] std::unique_ptr<TogetherStep> together_step(std::span<const std::uint8_t> computed, int lanes) const {
     return make_together_step(work_.group_class, work_.program, guard_.blocks(), computed, lanes);
   }
-  // For a pack that another step solved: makes its posture the anchor if the next step may leave the ball. Fails if the
-  // posture is not known to be on the branch.
+  // For a pack that another step solved: makes the posture of each lane whose next step may leave its ball the anchor.
+  // Fails if a posture is not known to be on the branch.
   [[nodiscard]] Status renew_anchor(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters);
   // Relative residual of a solved pack, as exactly as it can be measured.
   [[nodiscard]] double residual_of(const Pack& pack, const double* state) { return step_.residual_of(pack, state); }
@@ -82,9 +84,16 @@ class GroupSolver {
  private:
   [[nodiscard]] Status take(const PackLimit& limit, const Pack& pack, double* const (&state)[3], Counters& counters,
                             StepErrors& errors);
-  // Tries the step in registers; false if it does not apply.
+  // Tries the step in registers; false if it does not apply, or if lanes fail: the results of the others are then kept.
   [[nodiscard]] bool small_step(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters,
                                 StepErrors& errors, Status& status);
+  // True if small steps do what the attempt asks for.
+  [[nodiscard]] bool serves(const Attempt& attempt) const {
+    return attempt.iterations == 0 && (!attempt.all_rates || work_.group_class.derivatives > 0);
+  }
+  void solve_in_lanes(Pack& pack, double* const (&state)[3], const Attempt& attempt, StepErrors& errors);
+  void keep(const Pack& pack, double* const (&state)[3]);
+  void take_kept(const Pack& pack, double* const (&state)[3]) const;
 
   Workspace work_;
   JacobianSolver solver_;
@@ -92,6 +101,10 @@ class GroupSolver {
   NewtonStep step_;
   ErrorProbe probe_;
   std::unique_ptr<SmallStep> small_step_;  // null if the class or the strategy allows none
+  std::array<LaneArray, 3> kept_;          // [d]: derivatives of the unknowns, n x W
+  std::vector<std::uint8_t> is_kept_;      // W: lanes whose results are kept_
+  LaneArray predicted_;                    // unknowns before the step, n x W
+  LaneArray omega_;                        // W
 };
 
 }  // namespace assur

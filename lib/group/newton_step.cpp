@@ -11,6 +11,43 @@ NewtonStep::NewtonStep(Workspace& work, JacobianSolver& solver, BranchGuard& gua
     : work_(work), solver_(solver), guard_(guard), settings_(settings) {
   inverse_scale_.resize(work_.size());
   correction_.resize(work_.size());
+  for (LaneArray* v : {&ratios_, &before_}) v->resize(idx(work_.lanes));
+  open_.resize(idx(work_.lanes));
+}
+
+// Fills ratios_ for the equations in the workspace.
+void NewtonStep::measure() {
+  work_.kernels.largest_ratios(work_.phi.data(), inverse_scale_.data(), work_.program.n, ratios_.data());
+}
+
+// Raises the scales of the equations of these lanes to their lower bounds at this posture.
+void NewtonStep::raise(std::span<const std::uint8_t> lanes) {
+  std::fill(work_.scale.begin(), work_.scale.end(), 0.0);
+  work_.evaluator->raise_scale(work_.scale.data());
+  for (std::size_t i = 0; i < work_.scale.size(); ++i) {
+    if (lanes[i % lanes.size()] == 0 || !(work_.scale[i] > 0)) continue;
+    inverse_scale_[i] = std::min(inverse_scale_[i], 1 / work_.scale[i]);
+  }
+  measure();
+}
+
+// The largest relative residual of the lanes that iterate; NaN if one is.
+double NewtonStep::largest_open() const {
+  double largest = 0;
+  for (std::size_t l = 0; l < open_.size(); ++l) {
+    if (open_[l] != 0 && !(ratios_[l] <= largest)) largest = ratios_[l];
+  }
+  return largest;
+}
+
+// Closes the lanes that are solved; rounds: also those where only rounding is left. False if all are closed.
+bool NewtonStep::close(double converged, bool rounds) {
+  bool any = false;
+  for (std::size_t l = 0; l < open_.size(); ++l) {
+    if (ratios_[l] <= converged || (rounds && only_rounding_is_left(ratios_[l], before_[l]))) open_[l] = 0;
+    any = any || open_[l] != 0;
+  }
+  return any;
 }
 
 double NewtonStep::residual_of(const Pack& pack, const double* state) {
@@ -18,10 +55,13 @@ double NewtonStep::residual_of(const Pack& pack, const double* state) {
   work_.evaluator->evaluate(state + pack.unknowns, work_.phi.data(), nullptr);
   work_.evaluator->scale(inverse_scale_.data());
   work_.kernels.invert_scale(inverse_scale_.data(), work_.program.n);
-  return raised_ratio();
+  std::fill(open_.begin(), open_.end(), std::uint8_t{1});
+  raise(open_);
+  return largest_open();
 }
 
-Status NewtonStep::position(Pack& pack, double* x, const Attempt& attempt, Counters& counters, StepErrors& errors) {
+Status NewtonStep::position(Pack& pack, double* x, const Attempt& attempt, std::span<const std::uint8_t> solved,
+                            Counters& counters, StepErrors& errors) {
   const std::int64_t evaluated = std::int64_t{pack.used} * work_.program.n;
   work_.evaluate(x);
   work_.evaluator->scale(inverse_scale_.data());
@@ -32,29 +72,36 @@ Status NewtonStep::position(Pack& pack, double* x, const Attempt& attempt, Count
   // Beyond a change point the determinant has the other sign: factors from before it would mislead the iteration.
   bool usable = settings_.reuse == Reuse::run && pack.factored && attempt.branch != Attempt::Branch::pass;
   bool stale = false;
-  double relative = work_.kernels.largest_ratio(work_.phi.data(), inverse_scale_.data(), work_.program.n), before = 0,
-         last_norm = 0;
+  std::transform(solved.begin(), solved.end(), open_.begin(), [](std::uint8_t s) -> std::uint8_t { return s == 0; });
+  measure();
+  double relative = largest_open(), before = 0, last_norm = 0;
   int iteration = 0;
   for (;; ++iteration) {
-    if (!std::isfinite(relative)) relative = raised_ratio();  // the scale may be too small to have an inverse
+    if (!std::isfinite(relative)) {  // the scale may be too small to have an inverse
+      raise(open_);
+      relative = largest_open();
+    }
     if (!std::isfinite(relative)) return pack.failed(Code::not_finite, relative, lane_with_most_left(pack));
     if (attempt.iterations > 0) {
       if (iteration == attempt.iterations) break;
     } else {
-      if (relative <= attempt.converged) break;
-      if (iteration > 0 && only_rounding_is_left(relative, before)) {
-        // This is rounding, or the factors no longer fit.
-        if (!stale) break;
-        usable = false;
+      if (!close(attempt.converged, false)) break;
+      if (iteration > 0) {
+        // What does not fall any more is rounding, or the factors no longer fit.
+        if (!stale && !close(attempt.converged, true)) break;
+        if (stale && only_rounding_is_left(relative, before)) usable = false;
       }
       if (iteration == (attempt.branch == Attempt::Branch::anywhere ? kMostSearching : attempt.most_iterations))
-        return pack.failed(Code::not_converged, relative, lane_with_most_left(pack));
+        return pack.failed(Code::not_converged, largest_open(), lane_with_most_left(pack));
     }
     if (iteration == kSlowIterations && attempt.iterations == 0) {
       // If nearly all terms of an equation vanish at this posture, its residual is measured against the raised scale.
-      relative = raised_ratio();
-      if (relative <= attempt.converged) break;
+      raise(open_);
+      if (!close(attempt.converged, false)) break;
+      relative = largest_open();
     }
+    before = relative;
+    before_ = ratios_;
     stale = usable;
     if (!usable) {
       if (const Status s = solver_.factorize(pack, Factors::step, counters); !s.ok()) return s;
@@ -63,6 +110,9 @@ Status NewtonStep::position(Pack& pack, double* x, const Attempt& attempt, Count
     const bool checked = !stale && (iteration > 0 || !work_.group_class.quadratic);
     if (const Status s = solver_.correction(pack, work_.phi, correction_.data(), checked, counters); !s.ok()) return s;
     counters.newton_iterations += pack.used;
+    for (std::size_t i = 0; i < correction_.size(); ++i) {
+      if (open_[i % open_.size()] == 0) correction_[i] = 0;
+    }
     const double norm = correct(x);
     if (!std::isfinite(norm)) return pack.failed(Code::not_finite, norm, lane_that_moved_most(pack));
     if (attempt.branch == Attempt::Branch::pass && iteration == 0 && !(norm <= attempt.largest_correction)) {
@@ -77,19 +127,25 @@ Status NewtonStep::position(Pack& pack, double* x, const Attempt& attempt, Count
     bool contracts = iteration == 0 || norm <= kContraction * last_norm || relative <= kRoundingLevel;
     if (must_contract && attempt.iterations == 0 && !contracts) {
       // Corrections by rounding do not contract, and they look large if the terms of an equation vanish here.
-      contracts = raised_ratio() <= kRoundingLevel;
+      raise(open_);
+      contracts = largest_open() <= kRoundingLevel;
       if (!contracts) return pack.failed(Code::not_converged, norm / last_norm, lane_that_moved_most(pack));
     }
     // Factors of another posture are kept as long as the corrections contract.
     usable = (settings_.once || settings_.reuse != Reuse::fresh) && contracts;
     last_norm = norm;
-    before = relative;
     work_.evaluate(x);
     counters.evaluated_equations += evaluated;
-    relative = work_.kernels.largest_ratio(work_.phi.data(), inverse_scale_.data(), work_.program.n);
+    measure();
+    relative = largest_open();
   }
   counters.most_iterations = std::max<std::int64_t>(counters.most_iterations, iteration);
-  if (relative > kConverged) relative = raised_ratio();
+  std::fill(open_.begin(), open_.end(), std::uint8_t{1});
+  relative = largest_open();
+  if (relative > kConverged) {
+    raise(open_);
+    relative = largest_open();
+  }
   errors.position = std::max(errors.position, relative);
   return {};
 }
@@ -98,16 +154,6 @@ Status NewtonStep::position(Pack& pack, double* x, const Attempt& attempt, Count
 std::int32_t NewtonStep::lane_with_most_left(const Pack& pack) {
   for (std::size_t i = 0; i < work_.phi.size(); ++i) work_.phi[i] *= inverse_scale_[i];
   return work_.lane_with_most(pack, work_.phi);
-}
-
-// Relative residual after the scales of the equations were raised to their lower bounds at this posture.
-double NewtonStep::raised_ratio() {
-  std::fill(work_.scale.begin(), work_.scale.end(), 0.0);
-  work_.evaluator->raise_scale(work_.scale.data());
-  for (std::size_t i = 0; i < work_.scale.size(); ++i) {
-    if (work_.scale[i] > 0) inverse_scale_[i] = std::min(inverse_scale_[i], 1 / work_.scale[i]);
-  }
-  return work_.kernels.largest_ratio(work_.phi.data(), inverse_scale_.data(), work_.program.n);
 }
 
 // x -= correction_; returns its largest element.

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
+#include <vector>
 
 #include "group/attempt.hpp"
 #include "group/branch_guard.hpp"
@@ -17,7 +19,10 @@ class NewtonStep {
   NewtonStep(Workspace& work, JacobianSolver& solver, BranchGuard& guard, const SolverSettings& settings);
 
   // Solves the position. The inputs must be set; x is the prediction and becomes the solution, unspecified on failure.
-  [[nodiscard]] Status position(Pack& pack, double* x, const Attempt& attempt, Counters& counters, StepErrors& errors);
+  // A lane whose equations are solved keeps its unknowns, so that they do not depend on its neighbours as long as each
+  // factorisation is fresh. solved: W, 1 where x is solved already.
+  [[nodiscard]] Status position(Pack& pack, double* x, const Attempt& attempt, std::span<const std::uint8_t> solved,
+                                Counters& counters, StepErrors& errors);
 
   // Solves rates and accelerations of the unknowns at the posture of position(), as far as the class or the attempt
   // needs them. state[d]: d-th derivative of all coordinates.
@@ -35,7 +40,10 @@ class NewtonStep {
   [[nodiscard]] std::int32_t lane_that_moved_most(const Pack& pack) const {
     return work_.lane_with_most(pack, work_.correction);
   }
-  [[nodiscard]] double raised_ratio();
+  void measure();
+  void raise(std::span<const std::uint8_t> lanes);
+  [[nodiscard]] double largest_open() const;
+  [[nodiscard]] bool close(double converged, bool rounds);
   [[nodiscard]] double correct(double* x);
 
   Workspace& work_;
@@ -43,6 +51,8 @@ class NewtonStep {
   BranchGuard& guard_;
   const SolverSettings settings_;
   LaneArray inverse_scale_, correction_;  // n x W
+  LaneArray ratios_, before_;             // W: relative residuals, now and before the last correction
+  std::vector<std::uint8_t> open_;        // W: 1 as long as the lane iterates
 };
 
 }  // namespace assur

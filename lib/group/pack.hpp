@@ -35,9 +35,9 @@ struct Pack {
   LaneArray lipschitz;               // equations x W
   LaneArray anchor;                  // for each block the coordinates that it reads x W, where omega was measured
   LaneArray anchor_rates;            // rates at the anchor, same layout
-  LaneArray anchor_time;             // blocks: time of the anchor, s; NaN: unknown, or without rates
+  LaneArray anchor_time;             // blocks x W: time of the anchor, s; NaN: unknown, or without rates
   LaneArray omega;                   // blocks x W
-  std::span<double> ball_used;       // blocks: part of the ball used at the last posture inside it
+  std::span<double> ball_used;       // blocks x W: part of the ball used at the last posture inside it
   LaneArray own_use;                 // storage of ball_used, unless packs share an array (see Together)
   LaneArray swaps;                   // row order of a small step, see SmallLu
   Kept kept;

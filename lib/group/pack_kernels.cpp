@@ -56,14 +56,14 @@ struct Kernels {
       (one / if_positive(L::load(scale), L::load(scale), one)).store(scale);
   }
 
-  static double largest_ratio(const double* phi, const double* inverse_scale, std::int32_t count) {
+  static void largest_ratios(const double* phi, const double* inverse_scale, std::int32_t count, double* out) {
     L largest = L::set(0), poison = L::set(0);
     for (std::int32_t i = 0; i < count; ++i) {
       const L ratio = L::load(phi + i * W) * L::load(inverse_scale + i * W);
       largest = max(largest, abs(ratio));
       poison.add_product(ratio, L::set(0));
     }
-    return (largest + poison).largest();
+    (largest + poison).store(out);
   }
 
   static double correct(const std::int32_t* unknowns, std::int32_t count, const double* correction, double* x,
@@ -101,8 +101,8 @@ struct Kernels {
     return (norm_r / if_positive(norm_b, norm_b, L::set(1)) + poison).largest();
   }
 
-  static double ball_use(const std::int32_t* coordinates, std::int32_t count, std::int32_t n, const double* unknowns,
-                         const double* inputs, const double* anchor, const double* omega) {
+  static void ball_use(const std::int32_t* coordinates, std::int32_t count, std::int32_t n, const double* unknowns,
+                       const double* inputs, const double* anchor, const double* omega, double* used) {
     L moved = L::set(0), poison = L::set(0);
     for (std::int32_t i = 0; i < count; ++i) {
       const std::int32_t c = coordinates[i];
@@ -111,8 +111,7 @@ struct Kernels {
       poison.add_product(by, L::set(0));
     }
     // If nothing moved, nothing of the ball is used, however small the ball is.
-    const L used = moved * L::load(omega);
-    return (if_positive(moved, used, moved) + poison).largest();
+    (if_positive(moved, moved * L::load(omega), moved) + poison).store(used);
   }
 
  private:
@@ -136,7 +135,7 @@ constexpr PackKernels kTable = {combine,
                                 Kernels<W>::gather_all,
                                 Kernels<W>::row_maxima,
                                 Kernels<W>::invert_scale,
-                                Kernels<W>::largest_ratio,
+                                Kernels<W>::largest_ratios,
                                 Kernels<W>::correct,
                                 Kernels<W>::residual,
                                 Kernels<W>::ball_use};

@@ -35,8 +35,8 @@ struct PackKernels {
   // Replaces each scale by 1 / scale, or by 1 if it is not positive or NaN.
   void (*invert_scale)(double* scale, std::int32_t count);
 
-  // max |phi| * inverse_scale
-  double (*largest_ratio)(const double* phi, const double* inverse_scale, std::int32_t count);
+  // out: W, max |phi| * inverse_scale
+  void (*largest_ratios)(const double* phi, const double* inverse_scale, std::int32_t count, double* out);
 
   // x -= correction over the unknowns of one block; largest: W, |correction|. Returns the largest of all.
   double (*correct)(const std::int32_t* unknowns, std::int32_t count, const double* correction, double* x,
@@ -47,10 +47,10 @@ struct PackKernels {
   double (*residual)(const std::int32_t* row_start, const RowEntry* entries, std::int32_t n, const double* jacobian,
                      const double* x, const double* b, double* residual, double* norm, bool measure);
 
-  // The used part of a ball: the maximum over the lanes of omega * max |coordinate - anchor|. Coordinates below n are
-  // unknowns, the others inputs.
-  double (*ball_use)(const std::int32_t* coordinates, std::int32_t count, std::int32_t n, const double* unknowns,
-                     const double* inputs, const double* anchor, const double* omega);
+  // The used part of a ball: omega * max |coordinate - anchor|; used: W. Coordinates below n are unknowns, the others
+  // inputs.
+  void (*ball_use)(const std::int32_t* coordinates, std::int32_t count, std::int32_t n, const double* unknowns,
+                   const double* inputs, const double* anchor, const double* omega, double* used);
 };
 
 // lanes: 1, 2, 4, 8 or 16.

@@ -19,11 +19,12 @@ std::unique_ptr<SmallStep> make_small_step(const Workspace& work, const BlockCon
 
 // Rows k and i > k are swapped before column k where swaps[...] is positive. Each pivot is then the largest entry of
 // its column, relative to its row.
-void choose_pivots(const Workspace& work, Pack& pack) {
+void choose_pivots(const Workspace& work, Pack& pack, std::span<const std::uint8_t> lanes) {
   const std::size_t w = idx(work.lanes), n = idx(work.program.n);
   for (LaneArray* swaps : {&pack.swaps, &pack.kept.swaps}) swaps->resize(pivots_of_group_step(work.group_class) * w);
   const Pattern& pattern = work.program.pattern;
   for (std::size_t lane = 0; lane < w; ++lane) {
+    if (!lanes.empty() && lanes[lane] == 0) continue;
     std::array<std::array<double, 3>, 3> row{};
     for (std::size_t column = 0; column < n; ++column) {
       for (std::int32_t k = pattern.column_start[column]; k < pattern.column_start[column + 1]; ++k) {

@@ -2,7 +2,9 @@
 // by kernels, with the same bits. If anything is unusual, GroupSolver solves the step again.
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <span>
 
 #include "execute/step_code.hpp"
 #include "group/branch.hpp"
@@ -11,12 +13,13 @@
 
 namespace assur {
 
-// Results of a step.
+// Results of a step. W numbers are valid until the next run.
 struct SmallStepFigures {
-  int iterations = 0;
-  // Relative residuals: the largest so far; run() raises them.
+  // Relative residuals: the largest so far; run() raises them if no lane fails.
   double position = 0, velocity = 0, acceleration = 0;
-  double ball_used = 0;
+  const double *iterations = nullptr, *ball_used = nullptr;  // W
+  const double* failed = nullptr;                            // W: 0, or 1 where the general path must solve the step
+  bool balls_last = true;                                    // no lane needs another anchor before its next step
 };
 
 // The step of the packs of one class.
@@ -26,8 +29,8 @@ class SmallStep {
 
   // Tries the step. state[d]: d-th derivative of all coordinates, with the prediction in the unknowns of the pack.
   // True: the unknowns are solved by the rules of GroupSolver, to relative residuals of at most `converged`. False: the
-  // factorisation, the convergence or the Kantorovich number of a lane is unusual; the prediction is unchanged, and the
-  // derivatives of the unknowns are unspecified.
+  // factorisation, the convergence or the Kantorovich number of some lanes is unusual; their prediction is unchanged,
+  // and the derivatives of their unknowns are unspecified. The other lanes are solved.
   [[nodiscard]] virtual bool run(const Pack& pack, double* const (&state)[3], int most_iterations, double converged,
                                  SmallStepFigures& figures) = 0;
 };
@@ -40,8 +43,8 @@ class SmallStep {
                                                          StepCode& code);
 [[nodiscard]] std::unique_ptr<SmallStep> make_step_kernel(const Workspace& work, const BlockConditions& blocks);
 
-// Chooses the order of the rows in each lane at the posture that the workspace has evaluated; steps need it. The first
-// call allocates memory.
-void choose_pivots(const Workspace& work, Pack& pack);
+// Chooses the order of the rows, which steps need, at the posture that the workspace has evaluated. lanes: 1 for each
+// lane where it is chosen; empty: in all. The first call allocates memory.
+void choose_pivots(const Workspace& work, Pack& pack, std::span<const std::uint8_t> lanes);
 
 }  // namespace assur

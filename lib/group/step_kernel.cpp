@@ -23,12 +23,18 @@ class StepSource : public PackSource<W> {
  public:
   StepSource(const Pack& pack, const double* const* state, double most_iterations, double converged)
       : PackSource<W>(pack, state),
-        settings_{converged, most_iterations, largest_first_correction(pack.ball_used[0])} {}
+        ball_used_(pack.ball_used.data()),
+        converged_(converged),
+        most_iterations_(most_iterations) {}
 
-  HWY_INLINE L setting(GroupSetting s) const { return L::set(settings_[static_cast<std::size_t>(s)]); }
+  HWY_INLINE L setting(GroupSetting s) const {
+    if (s == GroupSetting::ball_used) return L::load(ball_used_);
+    return L::set(s == GroupSetting::converged_at ? converged_ : most_iterations_);
+  }
 
  private:
-  double settings_[kGroupSettings];  // in the order of GroupSetting
+  const double* ball_used_;
+  double converged_, most_iterations_;
 };
 
 template <int W, int N, class Equations>
@@ -52,13 +58,18 @@ class StepKernel final : public SmallStep {
     group_.finish(in, derivatives_, reads_, s, rate, acceleration, of_step);
     if (derivatives_ > 0) store(rate, state[1] + pack.unknowns);
     if (derivatives_ > 1) store(acceleration, state[2] + pack.unknowns);
-    if (!less_equal(s.failed, L::set(0)).all()) return false;
     store(s.x, state[0] + pack.unknowns);
-    figures.iterations = static_cast<int>(s.iterations.largest());
+    s.failed.store(failed_);
+    figures.failed = failed_;
+    if (!less_equal(s.failed, L::set(0)).all()) return false;
+    s.iterations.store(iterations_);
+    of_step.ball_used.store(ball_used_);
+    figures.iterations = iterations_;
+    figures.ball_used = ball_used_;
+    figures.balls_last = less_equal(of_step.needs_anchor, L::set(0)).all();
     raise(figures.position, s.relative);
     if (derivatives_ > 0) raise(figures.velocity, of_step.velocity);
     if (derivatives_ > 1) raise(figures.acceleration, of_step.acceleration);
-    figures.ball_used = of_step.ball_used.largest();
     return true;
   }
 
@@ -73,6 +84,7 @@ class StepKernel final : public SmallStep {
   int derivatives_;
   std::span<const std::int32_t> reads_;  // coordinates that the branch test examines
   Group group_;
+  alignas(kLineBytes) double failed_[W], iterations_[W], ball_used_[W];
 };
 
 template <int W, int N>

@@ -87,6 +87,7 @@ class Writer {
     const int derivatives = group_class_.derivatives;
     group_.finish(Slots(graph, program_), derivatives, reads, s, rate, acceleration, figures);
     for (std::uint32_t j = 0; j < kAt.n; ++j) {
+      graph.store({Memory::unknowns, j}, s.x[j]);
       if (derivatives > 0) graph.store({Memory::rates, j}, rate[j]);
       if (derivatives > 1) graph.store({Memory::accelerations, j}, acceleration[j]);
     }
@@ -95,6 +96,7 @@ class Writer {
     graph.store(slot_of(GroupFigure::velocity), figures.velocity);
     graph.store(slot_of(GroupFigure::acceleration), figures.acceleration);
     graph.store(slot_of(GroupFigure::ball_used), figures.ball_used);
+    graph.store(slot_of(GroupFigure::needs_anchor), figures.needs_anchor);
     out.phases.push_back(graph.phase());
     return out;
   }

@@ -15,7 +15,7 @@ namespace assur {
 enum class GroupSetting : std::uint32_t {
   converged_at,     // relative residual at which the equations count as solved
   most_iterations,  // of Newton's method
-  largest_first,    // omega |first correction|
+  ball_used,        // before the step
 };
 inline constexpr std::size_t kGroupSettings = 3;
 
@@ -27,8 +27,9 @@ enum class GroupFigure : std::uint32_t {
   velocity,      // of the linear system
   acceleration,  // of the linear system
   ball_used,     // omega |coordinates - anchor|
+  needs_anchor,  // 1: the next step may leave the ball
 };
-inline constexpr std::size_t kGroupFigures = 6;
+inline constexpr std::size_t kGroupFigures = 7;
 
 [[nodiscard]] constexpr Slot slot_of(GroupSetting s) { return {Memory::settings, static_cast<std::uint32_t>(s)}; }
 [[nodiscard]] constexpr Slot slot_of(GroupFigure f) { return {Memory::figures, static_cast<std::uint32_t>(f)}; }
@@ -45,8 +46,8 @@ struct GroupProgram {
 [[nodiscard]] std::size_t pivots_of_group_step(const GroupClass& group_class);
 
 // For a class that has_group_step(). reads: coordinates of the branch test, as registers of `equations`.
-// Memory::unknowns holds the prediction and keeps it: solved unknowns are the first numbers of Memory::work. Rows k and
-// i > k are swapped before column k is eliminated where the pivot of this pair is positive.
+// Memory::unknowns holds the prediction, and the solution where the step does not fail. Rows k and i > k are swapped
+// before column k is eliminated where the pivot of this pair is positive.
 [[nodiscard]] GroupProgram group_step(const GroupClass& group_class, const Program& equations,
                                       std::span<const std::int32_t> reads);
 

@@ -42,7 +42,7 @@ class SmallGroup {
     L relative, active, failed, iterations;  // largest |phi| weight; 1 as long as the lane iterates; see GroupFigure
   };
   struct Figures {
-    L velocity, acceleration, ball_used;
+    L velocity, acceleration, ball_used, needs_anchor;
   };
 
   template <class... Arguments>
@@ -83,7 +83,9 @@ class SmallGroup {
     multiply(phi, s.weight, ratio);
 
     const L relative = largest_of(ratio), iterations = s.iterations + one;
-    const L is_near = if_at_most(part_of_ball(in, by), in.setting(GroupSetting::largest_first), failed, one);
+    // largest_first_correction()
+    const L largest_first = L::set(0.25) * (one - in.setting(GroupSetting::ball_used));
+    const L is_near = if_at_most(part_of_ball(in, by), largest_first, failed, one);
     failed = if_at_most(s.iterations, zero, is_near, failed);
     failed = if_at_most(failed + (relative - relative), zero, zero, one);  // also if it is not finite
     const L open = is_open(ratio, in.setting(GroupSetting::converged_at));
@@ -110,8 +112,8 @@ class SmallGroup {
     s.active = if_at_most(s.active, zero, zero, goes_on);
   }
 
-  // Velocity and acceleration, as far as `derivatives` says. Makes State::failed 0 or 1. reads: coordinates of the
-  // branch test, as registers.
+  // Velocity and acceleration, as far as `derivatives` says. Makes State::failed 0 or 1; where it is 1, State::x is the
+  // prediction again. reads: coordinates of the branch test, as registers.
   template <class Source>
   HWY_INLINE void finish(const Source& in, int derivatives, std::span<const std::int32_t> reads, State& s, Column& rate,
                          Column& acceleration, Figures& figures) {
@@ -142,7 +144,12 @@ class SmallGroup {
       include(at - in.anchor(k), moved, poison);
     }
     figures.ball_used = times_omega(in, moved) + poison;
-    s.failed = if_at_most(s.failed, L::set(0), L::set(0), L::set(1));
+    // ball_lasts()
+    const L zero = L::set(0), one = L::set(1),
+            more = max(figures.ball_used - in.setting(GroupSetting::ball_used), zero);
+    figures.needs_anchor = if_at_most(figures.ball_used + (more + more), L::set(kBall), zero, one);
+    s.failed = if_at_most(s.failed, zero, zero, one);
+    for (int j = 0; j < N; ++j) s.x[j] = if_at_most(s.failed, zero, s.x[j], in.unknown(j));
   }
 
  private:

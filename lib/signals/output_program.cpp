@@ -370,8 +370,8 @@ void OutputProgram::evaluate_linear(const double* const (&state)[3], double* out
     const std::size_t at = idx(m.address), step = idx(m.step);
     double* const to = out + m.column;
     to[0] = constant * m.offset + m.factor * q[at];
-    to[step] = m.factor * rate[at];
-    to[2 * step] = m.factor * acceleration[at];
+    to[step] = 0 + m.factor * rate[at];  // not -0, as in rows_
+    to[2 * step] = 0 + m.factor * acceleration[at];
   }
   for (const Line& l : share(lines_, part, parts)) {
     for (std::size_t d = 0; d < 3; ++d) {

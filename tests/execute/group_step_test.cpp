@@ -85,7 +85,7 @@ struct Setting {
       m({Memory::omega, 0}, l) = c.omega;
       m(slot_of(GroupSetting::converged_at), l) = kConverged;
       m(slot_of(GroupSetting::most_iterations), l) = 10;
-      m(slot_of(GroupSetting::largest_first), l) = largest_first_correction(0);
+      m(slot_of(GroupSetting::ball_used), l) = 0;
     }
     return m;
   }
@@ -105,7 +105,7 @@ std::uint64_t bits(double x) { return std::isnan(x) ? ~std::uint64_t{0} : std::b
 std::vector<std::uint64_t> bits_of(test::StepMemory& m, const Setting& at, std::size_t lane) {
   std::vector<std::uint64_t> all;
   for (std::size_t j = 0; j < idx(at.group_class.n); ++j) {
-    for (const Memory memory : {Memory::work, Memory::rates, Memory::accelerations}) {
+    for (const Memory memory : {Memory::unknowns, Memory::rates, Memory::accelerations}) {
       all.push_back(bits(m({memory, static_cast<std::uint32_t>(j)}, lane)));
     }
   }
@@ -118,7 +118,7 @@ std::vector<std::uint64_t> bits_of(test::StepMemory& m, const Setting& at, std::
 void expect_solved(test::StepMemory& m, const Setting& at) {
   const auto n = static_cast<Eigen::Index>(at.group_class.n);
   const auto evaluator = make_evaluator(*at.s.system, at.equations, 1);
-  const std::span<const double> x(m.at[static_cast<std::size_t>(Memory::work)], idx(at.group_class.n));
+  const std::span<const double> x(m.at[static_cast<std::size_t>(Memory::unknowns)], idx(at.group_class.n));
   const Setting::Case& c = at.cases[0];
   std::vector<double> coefficients = c.coefficients;
   Eigen::VectorXd phi(n), scale(n), rhs(n), values(at.equations.pattern.nnz());

@@ -1,0 +1,126 @@
+// The backend `lanes` gives the same bits by machine code and by kernels, for every number of lanes, and in every tile.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "assur/ensemble.hpp"
+#include "assur/simulator.hpp"
+#include "program/group_step.hpp"
+#include "scene/shipped_files.hpp"
+#include "simulation/random_count.hpp"
+#include "simulation/random_mechanisms.hpp"
+#include "simulation/same_run.hpp"
+
+namespace assur {
+namespace {
+
+Prepared with(const Scene& scene, const std::string& strategy, bool machine_code) {
+  PrepareOptions options{.strategy = strategy};
+  options.machine_code = machine_code;
+  return prepare(scene, options);
+}
+
+bool same_bits(std::span<const double> a, std::span<const double> b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), test::same_bits);
+}
+
+bool only_small_groups(const Structure& structure) {
+  return std::all_of(structure.classes.begin(), structure.classes.end(), has_group_step);
+}
+
+// At most 300 steps.
+Scene shortened(const Scene& scene) {
+  const TimeGrid& time = scene.time();
+  return scene.with_time({time.start, std::min(time.end, time.start + 300 * time.step), time.step});
+}
+
+struct Outcome {
+  Trajectory rows;
+  Report report;
+};
+Outcome run(const Scene& scene, const std::string& lanes, bool machine_code) {
+  Simulator simulator(with(scene, "irreducible/" + lanes, machine_code));
+  Trajectory rows = simulator.run();
+  return {std::move(rows), simulator.report()};
+}
+
+// Machine code and kernels agree; and if all groups are small, so do all numbers of lanes. True if they are.
+bool expect_same_bits(const Scene& scene) {
+  const bool small = only_small_groups(*with(scene, "irreducible/lanes", false).structure);
+  const Outcome one = run(scene, "lanes", false);
+  for (const char* lanes : {"lanes", "lanes:2", "lanes:4", "lanes:8", "lanes:16"}) {
+    SCOPED_TRACE(scene.name() + " " + lanes);
+    const Outcome expected = small ? one : run(scene, lanes, false);
+    for (const bool code : {true, false}) {
+      SCOPED_TRACE(code ? "machine code" : "kernels");
+      const Outcome found = run(scene, lanes, code);
+      EXPECT_TRUE(same_bits(found.rows.values(), expected.rows.values()));
+      EXPECT_EQ(found.report.status.code, expected.report.status.code);
+      EXPECT_EQ(found.report.events.size(), expected.report.events.size());
+      for (const auto figure : {&ErrorFigures::position, &ErrorFigures::velocity, &ErrorFigures::acceleration}) {
+        EXPECT_TRUE(test::same_bits(found.report.error.*figure, expected.report.error.*figure));
+      }
+    }
+  }
+  return small;
+}
+
+TEST(SameBits, EveryShippedMechanism) {
+  int small = 0;
+  for (const auto& file : test::shipped_files()) small += expect_same_bits(shortened(read_scene(file))) ? 1 : 0;
+  EXPECT_GT(small, 10);
+}
+
+TEST(SameBits, RandomMechanisms) {
+  test::Draw draw(9);
+  const int count = test::random_count(60);
+  int small = 0;
+  for (int i = 0; i < count; ++i) {
+    const Scene scene = draw.maybe() ? test::planar_mechanism(draw) : test::spatial_mechanism(draw);
+    small += expect_same_bits(shortened(scene)) ? 1 : 0;
+  }
+  EXPECT_GE(2 * small, count);
+}
+
+// Members with other lengths, in tiles with each other and alone. Tiles that a member leaves are not compared: where a
+// step must be divided, it goes on without its earlier postures.
+TEST(SameBits, MembersOfTiles) {
+  constexpr std::size_t kMembers = 16;
+  test::Draw draw(4);
+  int served = 0;
+  for (const auto& file : test::shipped_files()) {
+    const Scene scene = read_scene(file);
+    if (!only_small_groups(*with(scene, "irreducible/lanes", true).structure)) continue;
+    SCOPED_TRACE(file.string());
+    std::vector<Scene> members;
+    for (std::size_t m = 0; m < kMembers; ++m) {
+      Parameters values;
+      for (const Constraint& c : scene.constraints()) {
+        const auto* distance = std::get_if<Distance>(&c.kind);
+        if (distance != nullptr && distance->value) values[c.name] = *distance->value * draw.real(0.998, 1.002);
+      }
+      members.push_back(shortened(scene).with_values(values));
+    }
+    for (const char* lanes : {"lanes:4", "lanes:8", "lanes:16"}) {
+      SCOPED_TRACE(lanes);
+      const std::string strategy = std::string("irreducible/") + lanes;
+      Ensemble tiles(kMembers, [&](std::size_t m) { return with(members[m], strategy, true); });
+      const EnsembleTrajectory together = tiles.run();
+      const auto& outcomes = tiles.outcomes();
+      if (std::any_of(outcomes.begin(), outcomes.end(), [](const auto& o) { return o.alone; })) continue;
+      ++served;
+      for (std::size_t m = 0; m < kMembers; ++m) {
+        const Trajectory alone = Simulator(with(members[m], "irreducible/lanes", false)).run();
+        ASSERT_EQ(together.rows(m), alone.rows());
+        EXPECT_TRUE(same_bits({together.row(m, 0).data(), alone.values().size()}, alone.values())) << "member " << m;
+      }
+    }
+  }
+  EXPECT_GT(served, 30);
+}
+
+}  // namespace
+}  // namespace assur
