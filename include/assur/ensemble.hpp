@@ -147,7 +147,7 @@ class Ensemble {
   void bind(std::vector<double> values);
 
   // Runs all members over the time grid of prepared(). The results are bitwise identical for every number of
-  // threads; the number of lanes changes their last bits (docs/strategies.md gives the bound). The calling thread calls
+  // threads; the number of lanes may change their last bits (docs/strategies.md says when). The calling thread calls
   // `observer` (rows done, rows in all; of all members), which may return false to stop. All threads of the plan call
   // laws and callbacks. Exceptions from them and from the observer propagate. Throws Error (environment) if there is no
   // memory for the results.

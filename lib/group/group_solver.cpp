@@ -1,6 +1,7 @@
 #include "group/group_solver.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "backends/small_steps.hpp"
 #include "index.hpp"
@@ -8,6 +9,11 @@
 #include "scene/residual_scale.hpp"
 
 namespace assur {
+namespace {
+
+constexpr double kSameSolution = 1e-8;  // typical lengths are 1; solutions differ by rounding times a condition
+
+}  // namespace
 
 GroupSolver::GroupSolver(const System& system, const Structure& structure, std::int32_t group_class,
                          const Plan::Choice& choice, std::span<const Backend> table, StepCode* code)
@@ -68,7 +74,8 @@ Status GroupSolver::solve(Pack& pack, double* const (&state)[3], const Attempt& 
 }
 
 // What the general path has solved is solved by small steps as well, now that its branch is known: their bits depend
-// neither on neighbours in the pack nor on W. Lanes that do not succeed keep the results of the general path.
+// neither on neighbours in the pack nor on W. Lanes that do not succeed, or that find another solution, keep the
+// results of the general path.
 void GroupSolver::solve_in_lanes(Pack& pack, double* const (&state)[3], const Attempt& attempt, StepErrors& errors) {
   pack.keep_anchor(attempt.number);
   take_kept(pack, state);
@@ -80,12 +87,16 @@ void GroupSolver::solve_in_lanes(Pack& pack, double* const (&state)[3], const At
   std::copy(pack.omega.begin(), pack.omega.end(), omega_.begin());
   std::fill(pack.omega.begin(), pack.omega.end(), 0.0);
   SmallStepFigures figures;
-  const bool all = small_step_->run(pack, state, attempt.most_iterations, attempt.converged, figures);
+  (void)small_step_->run(pack, state, attempt.most_iterations, attempt.converged, figures);
   std::copy(omega_.begin(), omega_.end(), pack.omega.begin());
+  const double* const x = state[0] + pack.unknowns;
   for (std::size_t l = 0; l < is_kept_.size(); ++l) is_kept_[l] = figures.failed[l] <= 0 ? 0 : 1;
+  for (std::size_t i = 0; i < kept_[0].size(); ++i) {
+    if (!(std::abs(x[i] - kept_[0][i]) <= kSameSolution)) is_kept_[i % is_kept_.size()] = 1;
+  }
   take_kept(pack, state);
-  work_.evaluate(state[0] + pack.unknowns);
-  if (!all) return;
+  work_.evaluate(x);
+  if (std::find(is_kept_.begin(), is_kept_.end(), 1) != is_kept_.end()) return;
   if (figures.position <= kConverged) errors.position = figures.position;
   if (work_.group_class.derivatives > 0) errors.velocity = figures.velocity;
   if (work_.group_class.derivatives > 1) errors.acceleration = figures.acceleration;

@@ -35,7 +35,9 @@ void NewtonStep::raise(std::span<const std::uint8_t> lanes) {
 double NewtonStep::largest_open() const {
   double largest = 0;
   for (std::size_t l = 0; l < open_.size(); ++l) {
-    if (open_[l] != 0 && !(ratios_[l] <= largest)) largest = ratios_[l];
+    if (open_[l] == 0 || ratios_[l] <= largest) continue;
+    largest = ratios_[l];
+    if (std::isnan(largest)) break;
   }
   return largest;
 }
