@@ -155,7 +155,7 @@ StepCounts step_counts(const Strategy& s, int derivatives) {
 }
 
 bool in_registers(const Shape& shape, const Strategy& s) {
-  return (shape.n == 2 || shape.n == 3) && has_small_steps(s.solver);
+  return (shape.n == 2 || shape.n == 3) && (s.solver.lanes <= 8 || s.run.together) && has_small_steps(s.solver);
 }
 
 bool is_dense(const Strategy& s) { return properties_of(s.solver.backend).dense; }
