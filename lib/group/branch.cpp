@@ -149,9 +149,11 @@ void BlockConditions::extract(const double* jacobian, std::int32_t b, int lane, 
 }
 
 void BlockConditions::measure(std::int32_t b, const double* jacobian, const Weights& weights, LinearSolver* solver,
-                              const Norms& norms) {
+                              const Norms& norms, std::span<const std::uint8_t> lanes) {
   if (!needs_solver(b)) {
-    for (int w = 0; w < lanes_; ++w) dense_norms(b, w, jacobian, weights, norms);
+    for (int w = 0; w < lanes_; ++w) {
+      if (lanes.empty() || lanes[idx(w)] != 0) dense_norms(b, w, jacobian, weights, norms);
+    }
     return;
   }
   sparse_norms(b, weights.lipschitz, *solver, norms.omega);

@@ -34,7 +34,8 @@ class BlockConditions {
   // Computes for one block, in every lane, omega = | |J^-1| k |_inf and | |J^-1| s |_inf with the scales s
   // (Evaluator::scale) of its equations. The second one times the relative residual is an error of the posture. Both
   // are infinite if the block is singular. If needs_solver(block), `solver` must hold a factorisation of the same
-  // Jacobian; the second norm is then bounded by omega times the largest s / k.
+  // Jacobian; the second norm is then bounded by omega times the largest s / k. lanes: 1 for each lane whose norms are
+  // needed; empty: all are.
   struct Weights {  // equations x lanes
     const double* lipschitz;
     const double* scale;
@@ -44,7 +45,7 @@ class BlockConditions {
     double* scale;
   };
   void measure(std::int32_t block, const double* jacobian, const Weights& weights, LinearSolver* solver,
-               const Norms& norms);
+               const Norms& norms, std::span<const std::uint8_t> lanes = {});
 
   // True if the block is too large for a dense inverse.
   [[nodiscard]] bool needs_solver(std::int32_t block) const;

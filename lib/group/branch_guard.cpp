@@ -82,7 +82,7 @@ Status BranchGuard::set_anchor(Pack& pack, double* const (&state)[3], std::int32
   }
   work_.evaluator->scale(work_.scale.data());
   blocks_.measure(b, work_.jacobian.data(), {pack.lipschitz.data(), work_.scale.data()}, solver_.at_hand(),
-                  {omega_.data(), posture_errors_.data()});
+                  {omega_.data(), posture_errors_.data()}, changes_);
   if (attempt.branch == Attempt::Branch::inside) {
     for (std::int32_t l = 0; l < pack.used; ++l) {
       if (changes_[idx(l)] == 0) continue;
@@ -91,32 +91,33 @@ Status BranchGuard::set_anchor(Pack& pack, double* const (&state)[3], std::int32
     }
   }
   pack.keep_anchor(attempt.number);
-  const auto change = [&](const double* from, double* to) {
-    for (std::size_t l = 0; l < w; ++l) {
-      if (changes_[l] != 0) to[l] = from[l];
-    }
-  };
-  change(omega_.data(), pack.omega.data() + idx(b) * w);
   work_.gather(pack, state[1], work_.input_rates);
+  // Without rates the cubic, and so the tube, is unknown.
+  const double time = work_.group_class.derivatives > 0 || attempt.all_rates ? attempt.time : kNan;
+  for (std::size_t l = 0; l < w; ++l) {
+    if (changes_[l] != 0) move_anchor(pack, state, b, l, time);
+  }
+  return {};
+}
+
+// Makes the posture the anchor of one lane.
+void BranchGuard::move_anchor(Pack& pack, const double* const (&state)[3], std::int32_t b, std::size_t lane,
+                              double time) {
+  const std::size_t w = idx(work_.lanes), at_block = idx(b) * w + lane;
+  renewed_[lane] = 1;
+  pack.omega[at_block] = omega_[lane];
+  pack.anchor_time[at_block] = time;
+  pack.ball_used[at_block] = 0;
   const std::size_t first = blocks_.reads_start(b) * w;
-  double *anchor = pack.anchor.data() + first, *rates = pack.anchor_rates.data() + first;
+  double *anchor = pack.anchor.data() + first + lane, *rates = pack.anchor_rates.data() + first + lane;
   for (const std::int32_t c : blocks_.reads(b)) {
     const bool unknown = c < work_.program.n;
-    const std::size_t at = unknown ? pack.unknowns + idx(c) * w : idx(c - work_.program.n) * w;
-    change(unknown ? state[0] + at : work_.inputs.data() + at, anchor);
-    change(unknown ? state[1] + at : work_.input_rates.data() + at, rates);
+    const std::size_t at = (unknown ? pack.unknowns + idx(c) * w : idx(c - work_.program.n) * w) + lane;
+    *anchor = unknown ? state[0][at] : work_.inputs[at];
+    *rates = unknown ? state[1][at] : work_.input_rates[at];
     anchor += w;
     rates += w;
   }
-  // Without rates the cubic, and so the tube, is unknown.
-  const bool has_rates = work_.group_class.derivatives > 0 || attempt.all_rates;
-  for (std::size_t l = 0; l < w; ++l) {
-    if (changes_[l] == 0) continue;
-    renewed_[l] = 1;
-    pack.anchor_time[idx(b) * w + l] = has_rates ? attempt.time : kNan;
-    pack.ball_used[idx(b) * w + l] = 0;
-  }
-  return {};
 }
 
 // If omega |first correction| <= 1/4 of the rest of the ball, the iteration converges to the one solution nearby. If

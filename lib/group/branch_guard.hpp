@@ -43,6 +43,7 @@ class BranchGuard {
                                      double seconds);
   [[nodiscard]] Status set_anchor(Pack& pack, double* const (&state)[3], std::int32_t block, const Attempt& attempt,
                                   Counters& counters);
+  void move_anchor(Pack& pack, const double* const (&state)[3], std::int32_t block, std::size_t lane, double time);
 
   Workspace& work_;
   JacobianSolver& solver_;

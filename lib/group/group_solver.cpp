@@ -136,12 +136,13 @@ bool GroupSolver::small_step(Pack& pack, double* const (&state)[3], const Attemp
     keep(pack, state);
     return false;
   }
-  std::int64_t iterations = 0;
+  double sum = 0, most = 0;
   for (std::int32_t l = 0; l < pack.used; ++l) {
-    const auto of_lane = static_cast<std::int64_t>(figures.iterations[l]);
-    iterations += of_lane;
-    counters.most_iterations = std::max(counters.most_iterations, of_lane);
+    sum += figures.iterations[l];
+    most = std::max(most, figures.iterations[l]);
   }
+  const auto iterations = static_cast<std::int64_t>(sum);
+  counters.most_iterations = std::max(counters.most_iterations, static_cast<std::int64_t>(most));
   const std::int64_t n = work_.program.n, used = pack.used, derivatives = work_.group_class.derivatives;
   const std::int64_t factorizations = iterations + (derivatives > 0 ? used : 0);
   counters.group_solutions += used;
