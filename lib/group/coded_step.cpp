@@ -82,7 +82,10 @@ bool CodedStep::run(const Pack& pack, double* const (&state)[3], int most_iterat
   code_->run(memory_);
   double of_all[kGroupFigures];
   const double* largest = figures_.data();
-  if (work_.lanes > 1) work_.kernels.row_maxima(figures_.data(), kGroupFigures, of_all), largest = of_all;
+  if (work_.lanes > 1) {
+    work_.kernels.row_maxima(figures_.data(), kGroupFigures, of_all);
+    largest = of_all;
+  }
   const auto figure = [&](GroupFigure f) { return largest[static_cast<std::size_t>(f)]; };
   figures.failed = row(figures_, GroupFigure::failed);
   if (figure(GroupFigure::failed) > 0) return false;

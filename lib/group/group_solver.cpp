@@ -79,7 +79,7 @@ Status GroupSolver::solve(Pack& pack, double* const (&state)[3], const Attempt& 
 void GroupSolver::solve_in_lanes(Pack& pack, double* const (&state)[3], const Attempt& attempt, StepErrors& errors) {
   pack.keep_anchor(attempt.number);
   take_kept(pack, state);
-  for (std::uint8_t& lane : is_kept_) lane ^= 1;
+  for (std::uint8_t& lane : is_kept_) lane ^= 1;  // now those that the general path has solved
   choose_pivots(work_, pack, is_kept_);
   if (attempt.branch == Attempt::Branch::pass || !serves(attempt)) return;
   keep(pack, state);

@@ -7,9 +7,7 @@
 #include "program/small_group-inl.hpp"
 
 #include <algorithm>
-#include <optional>
 
-#include "equations/separable.hpp"
 #include "group/small_step.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -89,13 +87,10 @@ class StepKernel final : public SmallStep {
 
 template <int W, int N>
 SmallStep* of_size(const GroupClass& group_class, const Program& program, std::span<const std::int32_t> reads) {
-  using L = Lanes<W>;
-  const std::optional<Separable> separable = separate(program, group_class.input_moves);
-  if (!separable) return new StepKernel<W, N, GeneralEquations<L, N>>(reads, group_class, program);
-  if (!measures_distances(*separable, program)) {
-    return new StepKernel<W, N, SeparableEquations<L, N>>(reads, group_class, program, *separable);
-  }
-  return new StepKernel<W, N, DistanceEquations<L, N>>(reads, group_class, program, *separable);
+  const auto make = [&]<class E>(std::type_identity<E>, const auto&... arguments) -> SmallStep* {
+    return new StepKernel<W, N, E>(reads, arguments...);
+  };
+  return with_equations<Lanes<W>, N>(group_class, program, make);
 }
 
 template <int W>

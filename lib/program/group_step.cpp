@@ -1,10 +1,7 @@
 #include "program/group_step.hpp"
 
-#include <cmath>
-#include <optional>
-#include <vector>
+#include <type_traits>
 
-#include "equations/separable.hpp"
 #include "index.hpp"
 #include "program/graph.hpp"
 #include "program/small_group-inl.hpp"
@@ -139,13 +136,10 @@ class Writer {
 
 template <int N>
 GroupProgram write(const GroupClass& group_class, const Program& equations, std::span<const std::int32_t> reads) {
-  const std::optional<Separable> separable = separate(equations, group_class.input_moves);
-  const auto out = [&](auto&& writer) { return GroupProgram{writer.write(reads), Layout{N}.size()}; };
-  if (!separable) return out(Writer<N, HWY_NAMESPACE::GeneralEquations<Value, N>>(group_class, equations));
-  if (!measures_distances(*separable, equations)) {
-    return out(Writer<N, HWY_NAMESPACE::SeparableEquations<Value, N>>(group_class, equations, *separable));
-  }
-  return out(Writer<N, HWY_NAMESPACE::DistanceEquations<Value, N>>(group_class, equations, *separable));
+  const auto make = [&]<class E>(std::type_identity<E>, const auto&... arguments) {
+    return GroupProgram{Writer<N, E>(arguments...).write(reads), Layout{N}.size()};
+  };
+  return HWY_NAMESPACE::with_equations<Value, N>(group_class, equations, make);
 }
 
 }  // namespace

@@ -16,8 +16,11 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
+#include <type_traits>
 
+#include "equations/separable.hpp"
 #include "program/group_step.hpp"
 #include "program/step_rules.hpp"
 
@@ -83,8 +86,7 @@ class SmallGroup {
     multiply(phi, s.weight, ratio);
 
     const L relative = largest_of(ratio), iterations = s.iterations + one;
-    // largest_first_correction()
-    const L largest_first = L::set(0.25) * (one - in.setting(GroupSetting::ball_used));
+    const L largest_first = L::set(largest_first_correction(0)) * (one - in.setting(GroupSetting::ball_used));
     const L is_near = if_at_most(part_of_ball(in, by), largest_first, failed, one);
     failed = if_at_most(s.iterations, zero, is_near, failed);
     failed = if_at_most(failed + (relative - relative), zero, zero, one);  // also if it is not finite
@@ -215,6 +217,18 @@ class SmallGroup {
   Equations equations_;
   SmallLu<L, N> lu_;
 };
+
+// Calls make(std::type_identity<Equations>(), arguments of the constructor of Equations...) with the equations that
+// serve a class best. Its kernels and its program must choose the same ones.
+template <class L, int N, class Make>
+auto with_equations(const GroupClass& group_class, const Program& program, const Make& make) {
+  const std::optional<Separable> separable = separate(program, group_class.input_moves);
+  if (!separable) return make(std::type_identity<GeneralEquations<L, N>>(), group_class, program);
+  if (!measures_distances(*separable, program)) {
+    return make(std::type_identity<SeparableEquations<L, N>>(), group_class, program, *separable);
+  }
+  return make(std::type_identity<DistanceEquations<L, N>>(), group_class, program, *separable);
+}
 
 // NOLINTNEXTLINE(google-readability-namespace-comments)
 }  // namespace assur::HWY_NAMESPACE
