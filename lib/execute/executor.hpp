@@ -1,10 +1,10 @@
 // Executors of step programs. All of them give the same bits.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 
 #include "program/step_program.hpp"
 
@@ -15,9 +15,9 @@ class Executor {
  public:
   virtual ~Executor() = default;
 
-  // memory[m]: the slots of Memory m, each with a number for every lane. The processor must round to nearest and keep
-  // subnormal numbers. Several threads may run machine code at once, but not an interpreter.
-  virtual void run(const std::array<double*, kMemories>& memory) const = 0;
+  // memory: by memory_of(); those that the program does not use may be missing. The processor must round to nearest and
+  // keep subnormal numbers. Several threads may run machine code at once, but not an interpreter.
+  virtual void run(std::span<double* const> memory) const = 0;
 };
 
 // Lists of operations, read over vectors of lanes: for every processor. Null if it does not know an operation of the

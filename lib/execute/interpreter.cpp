@@ -30,7 +30,7 @@ class Interpreter final : public Executor {
   using V = hn::Vec<D>;
 
  public:
-  explicit Interpreter(const StepProgram& program) {
+  explicit Interpreter(const StepProgram& program) : addresses_(program.addresses) {
     std::size_t places = 0;
     for (const Phase& p : program.phases) {
       phases_.push_back(translate(p));
@@ -39,58 +39,75 @@ class Interpreter final : public Executor {
     values_.assign(places * W, 0.0);
   }
 
-  void run(const std::array<double*, kMemories>& memory) const override {
-    double* from[kSources];
-    std::copy(memory.begin(), memory.end(), from);
-    from[kValues] = values_.data();
+  void run(std::span<double* const> memory) const override {
     for (Listing& p : phases_) {
-      from[kConstants] = p.constants.data();
+      const From from{memory, values_.data(), p.constants.data()};
       if (!p.repeat_while) {
         run(p, from);
         continue;
       }
-      while (is_positive(from[p.repeat_while->source] + p.repeat_while->offset)) run(p, from);
+      while (is_positive(from.at(*p.repeat_while))) run(p, from);
     }
   }
 
  private:
   // Where operands are: memories, values of the phase, and constants.
-  enum : std::uint8_t { kValues = kMemories, kConstants, kSources };
+  enum : std::uint32_t { kConstants = UINT32_MAX - 1, kValues };
   struct Operand {
-    std::uint8_t source = kValues;
+    std::uint32_t source = kValues;
     std::uint32_t offset = 0;
   };
+  struct From {
+    std::span<double* const> memory;
+    double *values, *constants;
+
+    [[nodiscard]] double* at(const Operand& o) const {
+      return (o.source == kValues ? values : o.source == kConstants ? constants : memory[o.source]) + o.offset;
+    }
+  };
+  // Loads and stores: reach of the source or the destination that is no row.
   struct Operation {
     Op op;
     Operand operand[4];
     Operand to;
+    Reach reach = Reach::row;
   };
-  // A phase whose loads and constants are operands.
+  // A phase whose constants, and loads of neighbours, are operands.
   struct Listing {
     std::vector<Operation> operations;
+    std::size_t stores_begin = 0;  // among the operations
     LaneArray constants;
-    std::size_t places;
+    std::size_t places = 0;
     std::optional<Operand> repeat_while;
   };
 
-  static Operand of(Slot s) { return {static_cast<std::uint8_t>(s.memory), s.index * W}; }
+  // of a scattered slot: where its addresses begin
+  static Operand of(Slot s) {
+    return {static_cast<std::uint32_t>(memory_of(s)), s.reach == Reach::row ? s.index * W : s.index};
+  }
+  static bool are_neighbours(Slot s) { return s.reach == Reach::row || s.reach == Reach::from; }
 
   static Listing translate(const Phase& phase) {
     const Places places = places_of(phase);
-    Listing out{{}, LaneArray(phase.constants.size() * W), places.count, {}};
+    Listing out{{}, 0, LaneArray(phase.constants.size() * W), places.count, {}};
     for (std::size_t i = 0; i < phase.constants.size(); ++i)
       std::fill_n(out.constants.data() + i * W, W, phase.constants[i]);
     if (phase.repeat_while) out.repeat_while = of(*phase.repeat_while);
     std::vector<Operand> value;
     for (std::size_t i = 0; i < phase.code.size(); ++i) {
       const Instruction& n = phase.code[i];
-      if (n.op == Op::load) {
+      const auto place = static_cast<std::uint32_t>(places.of[i] * W);
+      if (n.op == Op::load && are_neighbours(n.slot)) {
         value.push_back(of(n.slot));
       } else if (n.op == Op::constant) {
         value.push_back({kConstants, n.operand[0] * W});
       } else {
-        value.push_back({kValues, places.of[i] * W});
+        value.push_back({kValues, place});
         Operation& to = out.operations.emplace_back(Operation{n.op, {}, value.back()});
+        if (n.op == Op::load) {
+          to.operand[0] = of(n.slot);
+          to.reach = n.slot.reach;
+        }
         for (std::size_t k = 0; k < static_cast<std::size_t>(operands_of(n.op)); ++k)
           to.operand[k] = value[n.operand[k]];
       }
@@ -98,17 +115,42 @@ class Interpreter final : public Executor {
     // A number that is stored as it was loaded is read before the first store.
     std::vector<Operation> stores;
     for (const Phase::Store& s : phase.stores) {
-      const bool is_loaded = phase.code[s.value].op == Op::load;
-      const Operand kept{kValues, places.of[s.value] * W};
+      const Instruction& n = phase.code[s.value];
+      const bool is_loaded = n.op == Op::load && are_neighbours(n.slot);
+      const Operand kept{kValues, static_cast<std::uint32_t>(places.of[s.value] * W)};
       if (is_loaded) out.operations.push_back({Op::load, {value[s.value]}, kept});
-      stores.push_back({Op::load, {is_loaded ? kept : value[s.value]}, of(s.to)});
+      const Reach reach = s.to.reach == Reach::from ? Reach::row : s.to.reach;
+      stores.push_back({Op::load, {is_loaded ? kept : value[s.value]}, of(s.to), reach});
     }
+    out.stores_begin = out.operations.size();
     out.operations.insert(out.operations.end(), stores.begin(), stores.end());
     return out;
   }
 
   static bool is_positive(const double* slot) {
     return std::any_of(slot, slot + W, [](double x) { return x > 0; });
+  }
+
+  // A number for all lanes, or one for each.
+  void load(const Operation& n, const From& from) const {
+    double* const to = from.at(n.to);
+    if (n.reach == Reach::one) {
+      std::fill_n(to, W, *from.at(n.operand[0]));
+      return;
+    }
+    const std::int32_t* const address = addresses_.data() + n.operand[0].offset;
+    for (int l = 0; l < W; ++l) to[l] = from.memory[n.operand[0].source][address[l]];
+  }
+  void store(const Operation& n, const From& from) const {
+    const double* const numbers = from.at(n.operand[0]);
+    if (n.reach == Reach::one) {
+      *from.at(n.to) = numbers[0];
+      return;
+    }
+    const std::int32_t* const address = addresses_.data() + n.to.offset;
+    for (int l = 0; l < W; ++l) {
+      if (address[l] >= 0) from.memory[n.to.source][address[l]] = numbers[l];
+    }
   }
 
   // c + a b, rounded once.
@@ -126,10 +168,15 @@ class Interpreter final : public Executor {
 #endif
   }
 
-  static void run(const Listing& listing, double* const (&from)[kSources]) {
+  void run(const Listing& listing, const From& from) const {
     const D d;
     for (const Operation& n : listing.operations) {
-      const auto at = [&](const Operand& o) { return from[o.source] + o.offset; };
+      if (n.reach != Reach::row) {
+        const bool stores = &n >= listing.operations.data() + listing.stores_begin;
+        stores ? store(n, from) : load(n, from);
+        continue;
+      }
+      const auto at = [&](const Operand& o) { return from.at(o); };
       double* const to = at(n.to);
       const double *const a = at(n.operand[0]), *const b = at(n.operand[1]);
       const auto each = [&](const auto& result) HWY_ATTR {
@@ -193,6 +240,7 @@ class Interpreter final : public Executor {
     }
   }
 
+  std::vector<std::int32_t> addresses_;
   mutable std::vector<Listing> phases_;
   mutable LaneArray values_;  // of the run at hand
 };

@@ -18,7 +18,7 @@ namespace {
 namespace x86 = asmjit::x86;
 namespace Inst = asmjit::x86::Inst;
 
-using Function = void (*)(double* const*);  // memory, at the lanes of one vector
+using Function = void (*)(double* const*);  // memory
 
 // Memory for code: written first, then executable, and never both.
 class Code {
@@ -97,7 +97,8 @@ class Uses {
   std::vector<std::vector<std::size_t>> stores_;
 };
 
-// Writes one function for all phases, over vectors of `width` lanes, of `lanes` lanes in memory. A value that is loaded
+// Writes one function for all phases, over vectors of `width` lanes, of `lanes` lanes in memory: each phase for one
+// vector after the other. A value that is loaded
 // or constant is read where it is used. If registers run out, the value with the farthest next use leaves its register
 // (Belady, IBM Systems Journal 5, 1966), and is written to the stack unless it can be read again elsewhere.
 class Writer {
@@ -113,19 +114,14 @@ class Writer {
     for (const x86::Gp& r : kSaved) a_.push(r);
     a_.sub(x86::rsp, static_cast<std::int32_t>((stack + 1) * kVector));
     a_.and_(x86::rsp, -kVector);
-    find_bases(program);
+    addresses_ = program.addresses.data();
     for (const Phase& phase : program.phases) {
-      if (!phase.repeat_while) {
-        if (!write(phase)) return false;
-        continue;
+      const bool once = !phase.repeat_while && std::all_of(phase.stores.begin(), phase.stores.end(), [](const auto& s) {
+        return s.to.reach == Reach::one;
+      });
+      for (first_ = 0; first_ < (once ? width_ : lanes_); first_ += width_) {
+        if (!write_repeated(phase)) return false;
       }
-      const asmjit::Label again = a_.newLabel(), end = a_.newLabel();
-      jump_unless_positive(*phase.repeat_while, end);
-      a_.bind(again);
-      if (!write(phase)) return false;
-      jump_unless_positive(*phase.repeat_while, end);
-      a_.jmp(again);
-      a_.bind(end);
     }
     a_.lea(x86::rsp, x86::ptr(x86::rbp, -8 * static_cast<std::int32_t>(std::size(kSaved))));
     for (std::size_t k = std::size(kSaved); k > 0; --k) a_.pop(kSaved[k - 1]);
@@ -149,26 +145,41 @@ class Writer {
   static constexpr x86::Gp kSaved[] = {x86::rbx, x86::r12, x86::r13, x86::r14, x86::r15};
   static constexpr x86::Gp kBases[] = {x86::rax, x86::rcx, x86::rdx, x86::rsi, x86::r8,  x86::r9, x86::r10,
                                        x86::r11, x86::rbx, x86::r12, x86::r13, x86::r14, x86::r15};
-  static_assert(std::size(kBases) == kMemories);
 
   // ---- memory
 
-  void find_bases(const StepProgram& program) {
-    std::array<bool, kMemories> used{};
-    for (const Phase& phase : program.phases) {
-      for (const Instruction& n : phase.code) {
-        if (n.op == Op::load) used[static_cast<std::size_t>(n.slot.memory)] = true;
-      }
-      for (const Phase::Store& s : phase.stores) used[static_cast<std::size_t>(s.to.memory)] = true;
+  // Loads the addresses of the memories of a phase. False if they are more than the registers.
+  [[nodiscard]] bool load_bases(const Phase& phase) {
+    based_.clear();
+    const auto need = [&](const Slot& s) {
+      const std::size_t memory = memory_of(s);
+      if (std::find(based_.begin(), based_.end(), memory) == based_.end()) based_.push_back(memory);
+    };
+    for (const Instruction& n : phase.code) {
+      if (n.op == Op::load) need(n.slot);
     }
-    for (std::size_t m = 0; m < kMemories; ++m) {
-      if (used[m]) a_.mov(kBases[m], x86::ptr(x86::rdi, static_cast<std::int32_t>(m) * 8));
-    }
+    for (const Phase::Store& s : phase.stores) need(s.to);
+    if (based_.size() > std::size(kBases)) return false;
+    for (std::size_t k = 0; k < based_.size(); ++k) a_.mov(kBases[k], pointer_to(based_[k]));
+    return true;
   }
-  x86::Mem slot(Slot s) const {
-    return x86::ptr(kBases[static_cast<std::size_t>(s.memory)], static_cast<std::int32_t>(s.index) * lanes_ * 8,
-                    bytes());
+  static x86::Mem pointer_to(std::size_t memory) { return x86::ptr(x86::rdi, static_cast<std::int32_t>(memory) * 8); }
+  [[nodiscard]] const x86::Gp& base(const Slot& s) const {
+    return kBases[std::find(based_.begin(), based_.end(), memory_of(s)) - based_.begin()];
   }
+  // Numbers that are no neighbours are moved one by one.
+  [[nodiscard]] bool are_neighbours(const Slot& s) const {
+    return s.reach == Reach::row || s.reach == Reach::from || (s.reach == Reach::one && width_ == 1);
+  }
+  // The first number of the vector, relative to the memory; of a scattered slot that of lane k of the vector.
+  [[nodiscard]] std::int32_t offset(const Slot& s, int k = 0) const {
+    const auto index = static_cast<std::int32_t>(s.index);
+    if (s.reach == Reach::one) return index * 8;
+    if (s.reach == Reach::scattered) return addresses_[s.index + static_cast<std::uint32_t>(first_ + k)] * 8;
+    return ((s.reach == Reach::row ? index * lanes_ : index) + first_) * 8;
+  }
+  [[nodiscard]] x86::Mem slot(const Slot& s) const { return x86::ptr(base(s), offset(s), bytes()); }
+  [[nodiscard]] x86::Mem number(const Slot& s, int k) const { return x86::ptr(base(s), offset(s, k), 8); }
   x86::Mem constant(std::uint64_t bits) {
     const auto found = std::find(constants_.begin(), constants_.end(), bits);
     const auto at = static_cast<std::int32_t>(found - constants_.begin());
@@ -179,7 +190,7 @@ class Writer {
   // Where a value without register is.
   x86::Mem place_of(std::uint32_t value) {
     const Instruction& n = phase_->code[value];
-    if (n.op == Op::load && slot_of_[value] == kFree) return slot(n.slot);
+    if (is_simple_load(n) && slot_of_[value] == kFree) return slot(n.slot);
     if (n.op == Op::constant) return constant(std::bit_cast<std::uint64_t>(phase_->constants[n.operand[0]]));
     return x86::ptr(x86::rsp, static_cast<std::int32_t>(slot_of_[value]) * kVector, bytes());
   }
@@ -227,7 +238,10 @@ class Writer {
   // A value that a store moves from slot to slot is read once, because stores may replace it before.
   [[nodiscard]] bool can_read_again(std::uint32_t value) const {
     const Op op = phase_->code[value].op;
-    return op == Op::constant || (op == Op::load && !is_moved_[value]);
+    return op == Op::constant || (is_simple_load(phase_->code[value]) && !is_moved_[value]);
+  }
+  [[nodiscard]] bool is_simple_load(const Instruction& n) const {
+    return n.op == Op::load && are_neighbours(n.slot);
   }
   void evict(std::uint32_t r) {
     const std::uint32_t value = value_in_[r];
@@ -277,24 +291,37 @@ class Writer {
       a_.vmovupd(to, from);
     }
   }
-  // Jumps if the slot is positive in no lane.
+  // Jumps if the row is positive in no lane.
   void jump_unless_positive(Slot s, const asmjit::Label& to) {
     const asmjit::Imm greater(0x1e);  // false for NaN, quiet
     const x86::Vec value = vector(0), zero = vector(1);
-    move(value, slot(s));
+    a_.mov(x86::rax, pointer_to(memory_of(s)));
+    move(value, x86::ptr(x86::rax, offset(s), bytes()));
     a_.vxorpd(x86::xmm1, x86::xmm1, x86::xmm1);
     if (width_ == 8) {
       a_.vcmppd(x86::k1, value, zero, greater);
       a_.kortestb(x86::k1, x86::k1);
     } else {
       a_.vcmppd(value, value, zero, greater);
-      a_.vmovmskpd(x86::edi, value);
-      a_.test(x86::edi, x86::edi);
+      a_.vmovmskpd(x86::eax, value);
+      a_.test(x86::eax, x86::eax);
     }
     a_.jz(to);
   }
 
+  [[nodiscard]] bool write_repeated(const Phase& phase) {
+    if (!phase.repeat_while) return write(phase);
+    const asmjit::Label again = a_.newLabel(), end = a_.newLabel();
+    jump_unless_positive(*phase.repeat_while, end);
+    a_.bind(again);
+    if (!write(phase)) return false;
+    jump_unless_positive(*phase.repeat_while, end);
+    a_.jmp(again);
+    a_.bind(end);
+    return true;
+  }
   [[nodiscard]] bool write(const Phase& phase) {
+    if (!load_bases(phase)) return false;
     Uses uses(phase);
     phase_ = &phase;
     uses_ = &uses;
@@ -307,7 +334,7 @@ class Writer {
       const Instruction& n = phase.code[i];
       at_ = 2 * i;
       held_ = {};
-      if (n.op == Op::load && is_moved_[i]) {
+      if (is_simple_load(n) && is_moved_[i]) {
         (void)in_register(i);
       } else if (!can_read_again(i) && !write(n, i)) {
         return false;
@@ -316,11 +343,64 @@ class Writer {
       at_ = 2 * i + 1;
       for (const std::size_t s : uses.stores_behind(i)) {
         held_ = {};
-        move(slot(phase.stores[s].to), in_register(phase.stores[s].value));
+        store(phase.stores[s].to, in_register(phase.stores[s].value));
       }
       for (const std::size_t s : uses.stores_behind(i)) release(phase.stores[s].value);
     }
     return true;
+  }
+
+  // ---- numbers that are no neighbours
+
+  // Two lanes of a vector from lane k on, which is even, in the low half of a register: `to` itself for k = 0.
+  x86::Xmm half_of(const x86::Vec& v, int k) {
+    if (k == 0) return v.xmm();
+    const x86::Xmm part = vector(take()).xmm();
+    if (avx512_) {
+      a_.vextractf64x2(part, v, k / 2);
+    } else {
+      a_.vextractf128(part, v, k / 2);
+    }
+    return part;
+  }
+  void store(const Slot& to, const x86::Vec& from) {
+    if (are_neighbours(to)) return move(slot(to), from);
+    if (to.reach == Reach::one) {
+      if (first_ == 0) a_.vmovsd(number(to, 0), from.xmm());
+      return;
+    }
+    const auto is_stored = [&](int k) { return k < width_ && offset(to, k) >= 0; };
+    for (int k = 0; k < width_; k += 2) {
+      if (!is_stored(k) && !is_stored(k + 1)) continue;
+      const x86::Xmm half = half_of(from, k);
+      if (is_stored(k)) a_.vmovsd(number(to, k), half);
+      if (is_stored(k + 1)) a_.vmovhpd(number(to, k + 1), half);
+    }
+  }
+  void load(const Slot& from, std::uint32_t value) {
+    const std::uint32_t r = take();
+    const x86::Vec to = vector(r);
+    if (from.reach == Reach::one) {
+      if (width_ == 2) {
+        a_.vmovddup(to, number(from, 0));
+      } else {
+        a_.vbroadcastsd(to, number(from, 0));
+      }
+    } else {
+      const x86::Vec part = width_ > 2 ? vector(take()) : to;
+      for (int k = 0; k < width_; k += 2) {
+        const x86::Xmm half = k == 0 ? to.xmm() : part.xmm();
+        a_.vmovsd(half, number(from, k));
+        if (k + 1 < width_) a_.vmovhpd(half, half, number(from, k + 1));
+        if (k == 0) continue;
+        if (avx512_) {
+          a_.vinsertf64x2(to, to, half, k / 2);
+        } else {
+          a_.vinsertf128(to, to, half, k / 2);
+        }
+      }
+    }
+    put(value, r);
   }
 
   // Chooses what the second operand is, a register or memory, and calls with(it).
@@ -347,6 +427,10 @@ class Writer {
 
   [[nodiscard]] bool write(const Instruction& n, std::uint32_t index) {
     here_ = index;
+    if (n.op == Op::load) {
+      load(n.slot, index);
+      return true;
+    }
     for (int k = 0; k < operands_of(n.op); ++k) {
       if (const std::uint32_t r = register_of_[n.operand[static_cast<std::size_t>(k)]]; r != kFree) hold(r);
     }
@@ -476,6 +560,9 @@ class Writer {
   x86::Assembler a_;
   asmjit::Label constants_at_;
   std::vector<std::uint64_t> constants_;
+  const std::int32_t* addresses_ = nullptr;  // StepProgram::addresses
+  int first_ = 0;                            // lane of the vector
+  std::vector<std::size_t> based_;           // memories with a register of kBases, in this order
   const Phase* phase_ = nullptr;
   Uses* uses_ = nullptr;
   Point at_ = 0;
@@ -513,14 +600,7 @@ class MachineCode final : public Executor {
     return true;
   }
 
-  void run(const std::array<double*, kMemories>& memory) const override {
-    function_(memory.data());
-    for (int first = width_; first < lanes_; first += width_) {
-      double* here[kMemories];
-      for (std::size_t m = 0; m < kMemories; ++m) here[m] = memory[m] + first;
-      function_(here);
-    }
-  }
+  void run(std::span<double* const> memory) const override { function_(memory.data()); }
 
  private:
   int lanes_, width_;

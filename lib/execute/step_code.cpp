@@ -9,8 +9,33 @@
 namespace assur {
 namespace {
 
-constexpr std::size_t kMostKept = 64;             // steps; each has about 8 kB of code
+constexpr std::size_t kMostKept = 64;             // steps of each kind; one has 8 kB of code or more
 constexpr std::size_t kMostInstructions = 4'000;  // of a step; each takes about 0.5 us to write
+
+// The codes that were made last.
+template <class Key, class Code>
+class Recent {
+ public:
+  template <class Make>
+  Code of(const Key& key, int lanes, const Make& make) {
+    for (const Entry& e : entries_) {
+      if (e.lanes == lanes && e.key == key) return e.code;
+    }
+    Entry made{key, lanes, make()};
+    if (entries_.size() < kMostKept) return entries_.emplace_back(std::move(made)).code;
+    oldest_ = (oldest_ + 1) % kMostKept;
+    return (entries_[oldest_] = std::move(made)).code;
+  }
+
+ private:
+  struct Entry {
+    Key key;
+    int lanes;
+    Code code;
+  };
+  std::vector<Entry> entries_;
+  std::size_t oldest_ = kMostKept - 1;
+};
 
 class SharedCode final : public StepCode {
  public:
@@ -21,31 +46,27 @@ class SharedCode final : public StepCode {
   CodeOfStep of(const GroupClass& group_class, const Program& equations, std::span<const std::int32_t> reads,
                 int lanes) override {
     const std::lock_guard lock(mutex_);
-    for (const Entry& e : entries_) {
-      if (e.lanes == lanes && e.group_class == group_class) return e.code;
-    }
-    const GroupProgram step = group_step(group_class, equations, reads);
-    std::size_t instructions = 0;
-    for (const Phase& phase : step.program.phases) instructions += phase.code.size();
-    Entry made{group_class, lanes, {nullptr, step.work}};
-    if (instructions <= kMostInstructions) made.code.executor = make_machine_code(step.program, lanes, vectors_);
-    if (entries_.size() < kMostKept) {
-      return entries_.emplace_back(std::move(made)).code;
-    }
-    oldest_ = (oldest_ + 1) % kMostKept;
-    return (entries_[oldest_] = std::move(made)).code;
+    return of_groups_.of(group_class, lanes, [&] {
+      const GroupProgram step = group_step(group_class, equations, reads);
+      return CodeOfStep{make(step.program, lanes), step.work};
+    });
+  }
+  std::shared_ptr<const Executor> of(const StepProgram& program, int lanes) override {
+    const std::lock_guard lock(mutex_);
+    return of_programs_.of(program, lanes, [&] { return make(program, lanes); });
   }
 
  private:
-  struct Entry {
-    GroupClass group_class;
-    int lanes;
-    CodeOfStep code;
-  };
+  [[nodiscard]] std::shared_ptr<const Executor> make(const StepProgram& program, int lanes) const {
+    std::size_t instructions = 0;
+    for (const Phase& phase : program.phases) instructions += phase.code.size();
+    return instructions <= kMostInstructions ? make_machine_code(program, lanes, vectors_) : nullptr;
+  }
+
   VectorCode vectors_;
   std::mutex mutex_;
-  std::vector<Entry> entries_;
-  std::size_t oldest_ = kMostKept - 1;
+  Recent<GroupClass, CodeOfStep> of_groups_;
+  Recent<StepProgram, std::shared_ptr<const Executor>> of_programs_;
 };
 
 // Tries a program with one instruction.
@@ -53,7 +74,7 @@ bool can_run(VectorCode vectors) {
   Phase phase;
   phase.code = {{Op::load, {}, {Memory::work, 0}}};
   phase.stores = {{{Memory::work, 1}, 0}};
-  return make_machine_code({{phase}}, 1, vectors) != nullptr;
+  return make_machine_code({{phase}, {}}, 1, vectors) != nullptr;
 }
 
 }  // namespace

@@ -30,6 +30,8 @@ class StepCode {
   // asked for since. Several threads may call it at once.
   [[nodiscard]] virtual CodeOfStep of(const GroupClass& group_class, const Program& equations,
                                       std::span<const std::int32_t> reads, int lanes) = 0;
+  // The code of any other program, likewise. Null if it is too long, or if there is no code.
+  [[nodiscard]] virtual std::shared_ptr<const Executor> of(const StepProgram& program, int lanes) = 0;
 };
 
 // The best vectors of this processor; null if it cannot run machine code, or if this build makes none. Needs the

@@ -136,6 +136,12 @@ bool GroupSolver::small_step(Pack& pack, double* const (&state)[3], const Attemp
     keep(pack, state);
     return false;
   }
+  status = finish_small_step(pack, state, attempt, figures, counters, errors);
+  return true;
+}
+
+Status GroupSolver::finish_small_step(Pack& pack, double* const (&state)[3], const Attempt& attempt,
+                                      SmallStepFigures figures, Counters& counters, StepErrors& errors) {
   double sum = 0, most = 0;
   for (std::int32_t l = 0; l < pack.used; ++l) {
     sum += figures.iterations[l];
@@ -156,12 +162,9 @@ bool GroupSolver::small_step(Pack& pack, double* const (&state)[3], const Attemp
   }
   errors = {figures.position, figures.velocity, figures.acceleration};
   pack.keep_use(attempt.number);
-  if (figures.balls_last) {
-    std::copy_n(figures.ball_used, work_.lanes, pack.ball_used.begin());
-  } else {
-    status = renew_anchor(pack, state, attempt, counters);
-  }
-  return true;
+  if (!figures.balls_last) return renew_anchor(pack, state, attempt, counters);
+  std::copy_n(figures.ball_used, work_.lanes, pack.ball_used.begin());
+  return {};
 }
 
 Status GroupSolver::renew_anchor(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters) {

@@ -30,6 +30,7 @@ class GroupSolver {
               std::span<const Backend> table, StepCode* code = nullptr);
 
   [[nodiscard]] int lanes() const { return work_.lanes; }
+  [[nodiscard]] const GroupClass& group_class() const { return work_.group_class; }
   [[nodiscard]] const Program& program() const { return work_.program; }
   [[nodiscard]] bool quadratic() const { return work_.group_class.quadratic; }
   [[nodiscard]] const BlockConditions& blocks() const { return guard_.blocks(); }
@@ -61,6 +62,15 @@ class GroupSolver {
   [[nodiscard]] std::unique_ptr<TogetherStep> together_step(std::span<const std::uint8_t> computed, int lanes) const {
     return make_together_step(work_.group_class, work_.program, guard_.blocks(), computed, lanes);
   }
+  // True if a step of the whole mechanism may take the place of small steps (path/whole_step.hpp).
+  [[nodiscard]] bool has_coded_step() const { return small_step_ != nullptr && small_step_->is_code(); }
+  // True if small steps do what the attempt asks for.
+  [[nodiscard]] bool serves(const Attempt& attempt) const {
+    return attempt.iterations == 0 && (!attempt.all_rates || work_.group_class.derivatives > 0);
+  }
+  // After a small step that did not fail: counts its work and makes new anchors.
+  [[nodiscard]] Status finish_small_step(Pack& pack, double* const (&state)[3], const Attempt& attempt,
+                                         SmallStepFigures figures, Counters& counters, StepErrors& errors);
   // For a pack that another step solved: makes the posture of each lane whose next step may leave its ball the anchor.
   // Fails if a posture is not known to be on the branch.
   [[nodiscard]] Status renew_anchor(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters);
@@ -87,10 +97,6 @@ class GroupSolver {
   // Tries the step in registers; false if it does not apply, or if lanes fail: the results of the others are then kept.
   [[nodiscard]] bool small_step(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters,
                                 StepErrors& errors, Status& status);
-  // True if small steps do what the attempt asks for.
-  [[nodiscard]] bool serves(const Attempt& attempt) const {
-    return attempt.iterations == 0 && (!attempt.all_rates || work_.group_class.derivatives > 0);
-  }
   void solve_in_lanes(Pack& pack, double* const (&state)[3], const Attempt& attempt, StepErrors& errors);
   void keep(const Pack& pack, double* const (&state)[3]);
   void take_kept(const Pack& pack, double* const (&state)[3]) const;

@@ -33,6 +33,7 @@ class SmallStep {
   // and the derivatives of their unknowns are unspecified. The other lanes are solved.
   [[nodiscard]] virtual bool run(const Pack& pack, double* const (&state)[3], int most_iterations, double converged,
                                  SmallStepFigures& figures) = 0;
+  [[nodiscard]] virtual bool is_code() const { return false; }
 };
 
 // For a class that has_group_step(); else null. code: null, or machine code. All must outlive the step.

@@ -81,6 +81,10 @@ void Continuation::keep_what_is_read(std::vector<std::uint8_t> marked) {
   bows_.resize(layout_, inputs_.bends() ? inputs_.laws() : 0, 1);
   for (LaneArray& v : known_) v.assign(inputs_.bends() ? layout_.size : 0, 0.0);
   mechanism_.check_inputs(inputs_.evaluated());
+  whole_.reset();
+  if (prepared_.code != nullptr && together_ == nullptr && levels_.threads() == 1) {
+    whole_ = WholeStep::make(layout_, inputs_.program(), state_, *prepared_.code);
+  }
 }
 
 void Continuation::start(double time, const std::vector<double>& posture, const Continuation* before) {
@@ -104,6 +108,7 @@ void Continuation::start(double time, const std::vector<double>& posture, const 
     if (layout_.address[c] >= 0) state_.at(0)[layout_.address[c]] = posture[c];
   }
   repeat_in_idle_lanes();
+  if (whole_) whole_->forget();
   StepErrors errors;
   const Status s = solve_at(now_, Attempt::Branch::start, errors);
   if (!s.ok()) {
@@ -175,6 +180,7 @@ bool Continuation::fits(const Snapshot& from) const {
 void Continuation::restore(const Snapshot& from) {
   state_.copy(from.state);
   state_.restore();
+  if (whole_) whole_->forget();
   inputs_.take(from.controls);
   for (std::size_t p = 0; p < packs_.size(); ++p) packs_[p].restore(from.packs[p]);
   forget_guards();
@@ -238,13 +244,29 @@ Status Continuation::solve_all(double t, Attempt::Branch branch, StepErrors& err
   double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
   failed_pack_ = packs_.size();
   turned_ = 0;
-  if (const Status s = inputs_.drive(t, q); !s.ok()) return s;
+  const double converged = branch == Attempt::Branch::inside ? converged_ : kConverged;
+  const Attempt attempt = usual_attempt(t, branch, converged);
+  const bool may_be_whole = !std::exchange(is_predicted_, true);
+  bool whole = may_be_whole && !deadline_passed();
+  const auto begin_in_parts = [&] {
+    if (may_be_whole) combine();
+    return inputs_.place(t, q);
+  };
+  inputs_.evaluate(t);
+  if (!whole) {
+    if (const Status s = begin_in_parts(); !s.ok()) return s;
+  }
   if (!any_turn_) turned_ = bent(t);
   if (turned_ > 1) return {Code::branch_unknown, {}, turned_};
+  if (whole && !whole_->run(q, prediction_, attempt)) {
+    whole = false;
+    if (const Status s = begin_in_parts(); !s.ok()) return s;
+  }
   const double seconds = branch == Attempt::Branch::inside ? t - now_ : 0;
   if (const Status s = check_levers(Mechanism::Levers::known, seconds); !s.ok()) return s;
-  const double converged = branch == Attempt::Branch::inside ? converged_ : kConverged;
-  if (const Status s = solve_packs(t, branch, converged, errors); !s.ok()) return s;
+  const Status solved = whole ? whole_->finish(q, attempt, report_.counters, errors, failed_pack_)
+                              : solve_packs(t, branch, converged, errors);
+  if (!solved.ok()) return solved;
   if (const Status s = check_levers(Mechanism::Levers::unknown, seconds); !s.ok()) return s;
   if (mechanism_.watches()) {
     const bool may_correct = limits_.iterations == 0 && branch != Attempt::Branch::anywhere;
@@ -307,8 +329,7 @@ Status Continuation::turned_unseen(AngleTurns::Way way) {
   return {Code::branch_unknown, {}, turned_};
 }
 
-Status Continuation::solve_packs(double t, Attempt::Branch branch, double converged, StepErrors& errors) {
-  double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
+Attempt Continuation::usual_attempt(double t, Attempt::Branch branch, double converged) const {
   Attempt usual;
   usual.branch = branch;
   usual.number = attempts_;
@@ -316,6 +337,18 @@ Status Continuation::solve_packs(double t, Attempt::Branch branch, double conver
   usual.converged = converged;
   usual.time = t;
   usual.all_rates = expands_;
+  return usual;
+}
+
+// True if all groups are solved by the same rules.
+bool Continuation::is_usual(Attempt::Branch branch) const {
+  return branch == Attempt::Branch::inside && limits_.iterations == 0 && !expands_ && std::isnan(limit_at_) &&
+         std::all_of(passing_.begin(), passing_.end(), [](std::uint8_t passes) { return passes == 0; });
+}
+
+Status Continuation::solve_packs(double t, Attempt::Branch branch, double converged, StepErrors& errors) {
+  double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
+  const Attempt usual = usual_attempt(t, branch, converged);
   const bool inside = branch == Attempt::Branch::inside;
   const auto attempt = [&](std::size_t p) {
     Attempt a = usual;
@@ -348,9 +381,7 @@ Status Continuation::solve_packs(double t, Attempt::Branch branch, double conver
 
 // Solves the groups of all levels at once. False: the attempt must be solved level after level.
 bool Continuation::solve_together(const Attempt& attempt, StepErrors& errors) {
-  const bool usual = limits_.iterations == 0 && !expands_ && std::isnan(limit_at_) &&
-                     std::all_of(passing_.begin(), passing_.end(), [](std::uint8_t passes) { return passes == 0; });
-  if (!usual || deadline_passed()) return false;
+  if (!is_usual(attempt.branch) || deadline_passed()) return false;
   double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
   return together_->solve(q, attempt, report_.counters, errors);
 }
@@ -575,12 +606,18 @@ bool Continuation::may_choose_anew(bool asked, double first) const {
   return asked && prepared_.reselect && !(std::abs(now_ - selected_at_) <= kPassed * first);
 }
 
-void Continuation::predict(double target) {
-  const State::Prediction prediction = over_ != nullptr ? state_.begin_prediction(*over_, target)
-                                       : expands_       ? state_.begin_expansion(target)
-                                                        : state_.begin_prediction(target);
+// The code of a whole step predicts for itself.
+void Continuation::predict(double target, Attempt::Branch branch) {
+  prediction_ = over_ != nullptr ? state_.begin_prediction(*over_, target)
+                : expands_       ? state_.begin_expansion(target)
+                                 : state_.begin_prediction(target);
+  is_predicted_ = !whole_ || over_ != nullptr || !is_usual(branch);
+  if (is_predicted_) combine();
+}
+
+void Continuation::combine() {
   levels_.share(state_.unknowns(), [&](std::size_t part, std::size_t parts) {
-    state_.predict(prediction, state_.unknowns() * part / parts, state_.unknowns() * (part + 1) / parts);
+    state_.predict(prediction_, state_.unknowns() * part / parts, state_.unknowns() * (part + 1) / parts);
   });
 }
 
@@ -595,12 +632,12 @@ void Continuation::expand() {
 }
 
 Status Continuation::try_step(double target, Attempt::Branch branch) {
-  predict(target);
+  predict(target, branch);
   StepErrors errors;
   Status s = solve_at(target, branch, errors);
   if (s.code == Code::inconsistent && converged_ > kConverged) {  // or it was not solved exactly enough to decide
     converged_ = kConverged;
-    predict(target);
+    predict(target, branch);
     errors = {};
     s = solve_at(target, branch, errors);
   }

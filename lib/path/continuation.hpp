@@ -26,6 +26,7 @@
 #include "path/state.hpp"
 #include "path/stride.hpp"
 #include "path/together.hpp"
+#include "path/whole_step.hpp"
 #include "signals/inputs.hpp"
 
 namespace assur {
@@ -167,6 +168,8 @@ class Continuation {
   [[nodiscard]] Status solve_at(double t, Attempt::Branch branch, StepErrors& errors);
   [[nodiscard]] Status solve_all(double t, Attempt::Branch branch, StepErrors& errors);
   [[nodiscard]] Status solve_packs(double t, Attempt::Branch branch, double converged, StepErrors& errors);
+  [[nodiscard]] Attempt usual_attempt(double t, Attempt::Branch branch, double converged) const;
+  [[nodiscard]] bool is_usual(Attempt::Branch branch) const;
   [[nodiscard]] bool solve_together(const Attempt& attempt, StepErrors& errors);
   [[nodiscard]] double bent(double t);
   void measure_bows();
@@ -181,7 +184,8 @@ class Continuation {
   void set_deadline();
   [[nodiscard]] double bend() const;
   void end_step(bool arrived);
-  void predict(double target);
+  void predict(double target, Attempt::Branch branch);
+  void combine();
   void expand();
   [[nodiscard]] Status try_step(double target, Attempt::Branch branch);
   [[nodiscard]] Status check_limits(double target, StepErrors& errors);
@@ -214,6 +218,9 @@ class Continuation {
   std::vector<Pack>& packs_;
   Levels levels_;
   std::unique_ptr<Together> together_;  // null without +together
+  std::unique_ptr<WholeStep> whole_;    // null if there is no such code
+  State::Prediction prediction_;        // of the step that is tried
+  bool is_predicted_ = true;            // false: it is left to whole_
   State state_;
   Bows bows_;
   bool bends_ = false;                // a law leaves its chord on the step that was tried

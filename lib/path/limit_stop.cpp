@@ -33,7 +33,7 @@ Status Continuation::check_limits(double target, StepErrors& errors) {
   if (!may_change) return {};
   undo_attempt();
   const std::span<const LimitWatch::Change> changes = limit_watch->changes([&](double t) -> const double* {
-    predict(t);
+    predict(t, Attempt::Branch::anywhere);
     StepErrors ignored;
     return solve_at(t, Attempt::Branch::anywhere, ignored).ok() ? state_.at(0) : nullptr;
   });
@@ -43,7 +43,7 @@ Status Continuation::check_limits(double target, StepErrors& errors) {
   errors = {};
   Status s;
   if (to != now_) {
-    predict(to);
+    predict(to, Attempt::Branch::inside);
     s = solve_at(to, Attempt::Branch::inside, errors);
     const double* const there[3] = {state_.at(0), state_.at(1), state_.at(2)};
     if (s.ok()) (void)limit_watch->may_change(there, to);

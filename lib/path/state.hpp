@@ -40,6 +40,8 @@ class State {
     std::int32_t count = 0;
   };
   [[nodiscard]] Prediction begin_prediction(double t);
+  // The most weights that it has.
+  [[nodiscard]] std::uint32_t weights() const { return static_cast<std::uint32_t>(depth_) * static_cast<std::uint32_t>(levels_); }
   // A prediction by the Taylor series of the last accepted posture, up to the first or second derivative; for the
   // second by the predictor if it reads all derivatives itself.
   [[nodiscard]] Prediction begin_expansion(double t, int derivatives = 2);

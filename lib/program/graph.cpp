@@ -127,7 +127,7 @@ Value make(Op op, Value a, Value b, Value c, Value d) {
 }
 
 Value Graph::add(const Node& node) {
-  const Key key{node.op, node.operand, node.slot.memory, node.slot.index, std::bit_cast<std::uint64_t>(node.number)};
+  const Key key{node.op, node.operand, node.slot, std::bit_cast<std::uint64_t>(node.number)};
   const auto [found, is_new] = known_.try_emplace(key, static_cast<std::uint32_t>(nodes_.size()));
   if (is_new) nodes_.push_back(node);
   return {this, found->second, 0};

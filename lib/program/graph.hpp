@@ -74,7 +74,7 @@ class Graph {
     Slot slot;
     double number;
   };
-  using Key = std::tuple<Op, std::array<std::uint32_t, 4>, Memory, std::uint32_t, std::uint64_t>;
+  using Key = std::tuple<Op, std::array<std::uint32_t, 4>, Slot, std::uint64_t>;
 
   [[nodiscard]] static std::optional<Value> negated(const Value& v);
   [[nodiscard]] static std::optional<Value> simplified(Op op, const Value& a, const Value& b, const Value& c,
@@ -91,6 +91,8 @@ class Graph {
 [[nodiscard]] inline Value operator-(const Value& a, const Value& b) { return make(Op::subtract, a, b); }
 [[nodiscard]] inline Value operator*(const Value& a, const Value& b) { return make(Op::multiply, a, b); }
 [[nodiscard]] inline Value operator/(const Value& a, const Value& b) { return make(Op::divide, a, b); }
+[[nodiscard]] inline Value operator-(const Value& a) { return Value::set(-1) * a; }
+[[nodiscard]] inline Value operator*(double a, const Value& b) { return Value::set(a) * b; }
 [[nodiscard]] inline Value sqrt(const Value& a) { return make(Op::square_root, a); }
 [[nodiscard]] inline Value abs(const Value& a) { return make(Op::absolute, a); }
 [[nodiscard]] inline Value max(const Value& a, const Value& b) { return make(Op::larger, a, b); }

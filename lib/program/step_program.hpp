@@ -1,8 +1,9 @@
-// The step of a group as data: phases of operations on values in single assignment, without control flow, pointers or
+// The step of a group, or of a mechanism, as data: phases of operations on values in single assignment, without control flow, pointers or
 // widths. Every lane computes and decides for itself, so its bits depend neither on the executor nor on its neighbours.
 #pragma once
 
 #include <array>
+#include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -50,8 +51,9 @@ enum class Op : std::uint8_t {
   }
 }
 
-// Memory of a step. Each slot holds one number for each lane.
+// Memory of a step.
 enum class Memory : std::uint8_t {
+  // of a group
   coefficients,  // of the equations
   inputs,
   input_rates,
@@ -65,27 +67,59 @@ enum class Memory : std::uint8_t {
   settings,  // bounds
   work,      // from phase to phase
   figures,   // what the step tells about itself
+  // of a mechanism
+  state,  // coordinates at the end of the step, by address
+  state_rates,
+  state_accelerations,
+  laws,
+  law_rates,
+  law_accelerations,
+  sines,  // of the laws that are angles
+  cosines,
+  factors,  // of sums
+  weights,  // of the prediction
+  past,     // what the weights multiply, in kMostPast memories
 };
-inline constexpr std::size_t kMemories = 13;
+inline constexpr std::size_t kMostPast = 6;
+inline constexpr std::size_t kMemories = static_cast<std::size_t>(Memory::past) + kMostPast;
+
+// Where the number of a lane lies in a memory, for an index i and W lanes.
+enum class Reach : std::uint8_t {
+  row,        // i W + lane
+  from,       // i + lane
+  one,        // i: the same for all lanes; the first lane stores its number
+  scattered,  // StepProgram::addresses[i + lane]; -1: the lane stores nothing
+};
 
 struct Slot {
   Memory memory = Memory::work;
   std::uint32_t index = 0;
+  Reach reach = Reach::row;
+  std::uint16_t group = 0;  // of a mechanism: each has its own memories
 
-  friend bool operator==(const Slot&, const Slot&) = default;
+  friend auto operator<=>(const Slot&, const Slot&) = default;
 };
+// The place of a slot's memory among those of all groups.
+[[nodiscard]] constexpr std::size_t memory_of(const Slot& s) {
+  return s.group * kMemories + static_cast<std::size_t>(s.memory);
+}
 
 struct Instruction {
   Op op = Op::constant;
   std::array<std::uint32_t, 4> operand = {};  // instructions before it in the phase; of a constant its index
   Slot slot;                                  // of a load
+
+  friend bool operator==(const Instruction&, const Instruction&) = default;
 };
 
-// Instructions in order, then stores. Loads see the memory before the stores of their phase.
+// Instructions in order, then stores. Loads see the memory before the stores of their phase, which must not store what
+// it loads by another reach.
 struct Phase {
   struct Store {
     Slot to;
     std::uint32_t value;
+
+    friend bool operator==(const Store&, const Store&) = default;
   };
 
   std::vector<Instruction> code;
@@ -93,10 +127,15 @@ struct Phase {
   std::vector<Store> stores;
   // The phase is repeated as long as this slot is positive in a lane; without one, it runs once.
   std::optional<Slot> repeat_while;
+
+  friend bool operator==(const Phase&, const Phase&) = default;
 };
 
 struct StepProgram {
   std::vector<Phase> phases;
+  std::vector<std::int32_t> addresses = {};
+
+  friend bool operator==(const StepProgram&, const StepProgram&) = default;
 };
 
 }  // namespace assur

@@ -269,22 +269,32 @@ void DriveProgram::place_as(const DriveProgram& other, double* const (&state)[3]
     acceleration[at] = second[c.slot];
   }
   for (const Sum& s : sums_) {
-    double total = 0, of_rates = 0, of_accelerations = 0;
-    for (const TermOf& t : std::span(terms_.data() + s.begin, terms_.data() + s.end)) {
-      const std::size_t from = idx(t.coordinate) * stride;
-      total += t.factor * q[from];
-      of_rates += t.factor * rate[from];
-      of_accelerations += t.factor * acceleration[from];
-    }
     const std::size_t at = idx(s.coordinate) * stride;
-    q[at] = total;
-    rate[at] = of_rates;
-    acceleration[at] = of_accelerations;
+    for (double* const of : {q, rate, acceleration}) {
+      double total = -0.0;  // adds nothing, not even a sign
+      for (const TermOf& t : std::span(terms_.data() + s.begin, terms_.data() + s.end)) {
+        total += t.factor * of[idx(t.coordinate) * stride];
+      }
+      of[at] = total;
+    }
   }
 }
 
+DrivenOutline DriveProgram::outline() const {
+  DrivenOutline out;
+  out.laws = static_cast<std::int32_t>(laws_);
+  out.directions = directions_;
+  out.frames = frames_;
+  for (const Copy& c : copies_) out.copies.push_back({c.slot, c.coordinate});
+  for (const Sum& s : sums_) {
+    DrivenOutline::Sum& to = out.sums.emplace_back();
+    to.address = s.coordinate;
+    for (std::int32_t t = s.begin; t < s.end; ++t) to.terms.push_back({terms_[idx(t)].coordinate, terms_[idx(t)].factor});
+  }
+  return out;
+}
+
 void DriveProgram::turn() {
-  kernels_->sin_cos(jets_[0].data(), angles_, sines_.data(), cosines_.data());
   const auto at = [&](std::int32_t angle) {
     const std::size_t i = idx(angle);
     return cos_sin<double>({jets_[0][i], jets_[1][i], jets_[2][i]}, cosines_[i], sines_[i]);

@@ -9,6 +9,7 @@
 
 #include "assur/status.hpp"
 #include "numbers.hpp"
+#include "program/mechanism_step.hpp"
 #include "scene/system.hpp"
 #include "signals/angle_kernels.hpp"
 
@@ -61,9 +62,16 @@ class DriveProgram {
   [[nodiscard]] std::span<const double> angles() const { return {jets_[0].data(), angles_}; }
   // Writes the driven coordinates. state[d]: d-th derivative, indexed by coordinate * stride.
   void place(double* const (&state)[3], std::size_t stride = 1) {
+    find_sines();
     turn();
     place_as(*this, state, stride);
   }
+  // The same as a program for mechanism_step(), which reads jets(), sines() and cosines(), after find_sines().
+  [[nodiscard]] DrivenOutline outline() const;
+  void find_sines() { kernels_->sin_cos(jets_[0].data(), angles_, sines_.data(), cosines_.data()); }
+  [[nodiscard]] double* jets(std::size_t d) { return jets_[d].data(); }
+  [[nodiscard]] double* sines() { return sines_.data(); }
+  [[nodiscard]] double* cosines() { return cosines_.data(); }
   // The same with the values of another program that has placed its coordinates and has the same laws.
   void place_as(const DriveProgram& other, double* const (&state)[3], std::size_t stride) const;
   // After place(): false if the time is outside a table, or if a law is not finite.
@@ -97,10 +105,7 @@ class DriveProgram {
     std::int32_t slot;
     Index coordinate;
   };
-  // Cosine and sine of an angle, or the frame of three, as jets from a slot on.
-  struct Turn {
-    std::int32_t angle, result;  // slots
-  };
+  using Turn = DrivenOutline::Turn;
   struct Sum {
     Index coordinate;
     std::int32_t begin, end;  // range in terms_

@@ -114,7 +114,7 @@ void Inputs::compile(const Driven& driven) {
 }
 
 // All laws and targets at time t.
-void Inputs::evaluate(double t) {
+void Inputs::follow_laws(double t) {
   for (const Control& c : controls_) {
     if (c.slot >= 0) program_.hold(c.slot, c.set);
   }
@@ -125,21 +125,20 @@ void Inputs::evaluate(double t) {
 }
 
 void Inputs::expand_about(double t) {
-  evaluate(t);
+  follow_laws(t);
   program_.keep_expansion();
   expanded_about_ = t;
 }
 
-Status Inputs::drive(double t, double* const (&state)[3]) {
+void Inputs::evaluate(double t) {
   if (std::isnan(expanded_about_)) {
-    if (controls_.empty()) {
-      program_.evaluate(t);
-    } else {
-      evaluate(t);
-    }
+    follow_laws(t);
   } else {
     program_.expand(t - expanded_about_);
   }
+}
+
+Status Inputs::place(double t, double* const (&state)[3]) {
   program_.place(state);
   return program_.defined() ? Status{} : why_undefined(t);
 }

@@ -45,7 +45,14 @@ class Inputs {
   void keep(std::vector<std::uint8_t> needed) { compile(driven_behind(system_, std::move(needed))); }
 
   // Writes the known coordinates at time t; state[d]: d-th derivative, indexed by coordinate.
-  [[nodiscard]] Status drive(double t, double* const (&state)[3]);
+  [[nodiscard]] Status drive(double t, double* const (&state)[3]) {
+    evaluate(t);
+    return place(t, state);
+  }
+  // drive() in two parts. After evaluate() all laws and targets are at hand in the program of the drivers.
+  void evaluate(double t);
+  [[nodiscard]] Status place(double t, double* const (&state)[3]);
+  [[nodiscard]] DriveProgram& program() { return program_; }
 
   // From now on, drive() follows the second-order expansions of all laws and targets about time t, until follow().
   void expand_about(double t);
@@ -144,7 +151,7 @@ class Inputs {
   void compile(const Driven& driven);
   static constexpr double kEqualSteps = 1e-10;  // steps of a grid differ by the rounding of times
   void compute_bows(double from, double to);
-  void evaluate(double t);
+  void follow_laws(double t);
 
   const System& system_;
   DriveProgram program_;

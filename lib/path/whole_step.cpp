@@ -1,0 +1,155 @@
+#include "path/whole_step.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "index.hpp"
+#include "program/group_step.hpp"
+#include "program/step_rules.hpp"
+
+namespace assur {
+namespace {
+
+std::size_t inputs_of(const Pack& pack) { return pack.inputs.size(); }
+
+}  // namespace
+
+std::unique_ptr<WholeStep> WholeStep::make(Layout& layout, DriveProgram& drivers, const State& state, StepCode& code) {
+  if (layout.packs.empty()) return nullptr;
+  const auto solver = [&](const Pack& pack) -> const GroupSolver& { return *layout.solvers[idx(pack.group_class)]; };
+  MechanismOutline outline{solver(layout.packs[0]).lanes(), drivers.outline(), state.weights(), {}};
+  for (const Pack& pack : layout.packs) {
+    const GroupSolver& s = solver(pack);
+    if (!s.has_coded_step() || s.lanes() != outline.lanes) return nullptr;
+    outline.groups.push_back({s.group_class(), s.program(), s.blocks().reads(0), pack.inputs, pack.used,
+                              static_cast<std::uint32_t>(pack.unknowns - layout.first_unknown)});
+  }
+  MechanismStep step = mechanism_step(outline);
+  std::unique_ptr<WholeStep> out(new WholeStep(layout, drivers, outline.lanes));
+  out->code_ = code.of(step.program, outline.lanes);
+  if (!out->code_) return nullptr;
+  out->factors_.assign(step.factors.begin(), step.factors.end());
+  out->reserve(step.work, outline.weights);
+  return out;
+}
+
+void WholeStep::reserve(std::size_t work, std::size_t weights) {
+  const std::vector<Pack>& packs = layout_.packs;
+  std::size_t inputs = 0;
+  for (const Pack& pack : packs) inputs += inputs_of(pack);
+  work_.assign(work * lanes_, 0.0);
+  weights_.assign(weights, 0.0);
+  inputs_.assign(3 * inputs, 0.0);
+  settings_.assign(packs.size() * kGroupSettings * lanes_, 0.0);
+  figures_.assign((packs.size() * kGroupFigures + kMechanismFigures) * lanes_, 0.0);
+  memory_.assign((packs.size() + 1) * kMemories, nullptr);
+  at(Memory::laws) = drivers_.jets(0);
+  at(Memory::law_rates) = drivers_.jets(1);
+  at(Memory::law_accelerations) = drivers_.jets(2);
+  at(Memory::sines) = drivers_.sines();
+  at(Memory::cosines) = drivers_.cosines();
+  at(Memory::factors) = factors_.data();
+  at(Memory::weights) = weights_.data();
+  double* next = inputs_.data();
+  for (std::size_t p = 0; p < packs.size(); ++p) {
+    for (const Memory m : {Memory::inputs, Memory::input_rates, Memory::input_accelerations}) {
+      at(m, p) = std::exchange(next, next + inputs_of(packs[p]));
+    }
+    at(Memory::settings, p) = settings_.data() + p * kGroupSettings * lanes_;
+    at(Memory::work, p) = work_.data();
+    at(Memory::figures, p) = figures_.data() + p * kGroupFigures * lanes_;
+  }
+  at(Memory::figures, packs.size()) = figures_.data();
+}
+
+void WholeStep::take_rest(const double* state) {
+  for (std::size_t p = 0; p < layout_.packs.size(); ++p) {
+    const Pack& pack = layout_.packs[p];
+    for (std::size_t i = 0; i < inputs_of(pack); ++i) at(Memory::inputs, p)[i] = state[idx(pack.inputs[i])];
+  }
+  knows_rest_ = true;
+}
+
+// The same number for all groups and lanes.
+void WholeStep::set(double& before, double value, std::size_t row) {
+  if (before == value) return;
+  before = value;
+  for (std::size_t p = 0; p < layout_.packs.size(); ++p) {
+    std::fill_n(at(Memory::settings, p) + row * lanes_, lanes_, value);
+  }
+}
+
+bool WholeStep::run(double* const (&state)[3], const State::Prediction& prediction, const Attempt& attempt) {
+  if (!knows_rest_) take_rest(state[0]);
+  set(converged_, attempt.converged, static_cast<std::size_t>(GroupSetting::converged_at));
+  set(most_iterations_, attempt.most_iterations, static_cast<std::size_t>(GroupSetting::most_iterations));
+  const auto put = [&](Memory m, const double* from, std::size_t p = 0) { at(m, p) = const_cast<double*>(from); };
+  put(Memory::state, state[0]);
+  put(Memory::state_rates, state[1]);
+  put(Memory::state_accelerations, state[2]);
+  for (std::size_t k = 0; k < weights_.size(); ++k) {
+    const bool is_used = k < idx(prediction.count);
+    weights_[k] = is_used ? prediction.weights[k] : 0;
+    memory_[static_cast<std::size_t>(Memory::past) + k] = const_cast<double*>(prediction.sources[is_used ? k : 0]);
+  }
+  for (std::size_t p = 0; p < layout_.packs.size(); ++p) {
+    const Pack& pack = layout_.packs[p];
+    const std::size_t ball = static_cast<std::size_t>(GroupSetting::ball_used);
+    std::copy_n(pack.ball_used.begin(), lanes_, at(Memory::settings, p) + ball * lanes_);
+    put(Memory::coefficients, pack.coefficients.data(), p);
+    put(Memory::unknowns, state[0] + pack.unknowns, p);
+    put(Memory::rates, state[1] + pack.unknowns, p);
+    put(Memory::accelerations, state[2] + pack.unknowns, p);
+    put(Memory::pivots, pack.swaps.data(), p);
+    put(Memory::anchor, pack.anchor.data(), p);
+    put(Memory::omega, pack.omega.data(), p);
+  }
+  drivers_.find_sines();
+  code_->run(memory_);
+  const double* const failed = row(layout_.packs.size(), MechanismFigure::failed);
+  return std::all_of(failed, failed + lanes_, [](double f) { return f <= 0; });
+}
+
+Status WholeStep::finish(double* const (&state)[3], const Attempt& attempt, Counters& counters, StepErrors& errors,
+                         std::size_t& failed) {
+  const std::vector<Pack>& packs = layout_.packs;
+  Figures all = figures(packs.size());
+  all.position = std::max(all.position, errors.position);
+  all.velocity = std::max(all.velocity, errors.velocity);
+  all.acceleration = std::max(all.acceleration, errors.acceleration);
+  const bool is_usual = all.position <= kConverged && all.needs_anchor <= 0;
+  Status status;
+  failed = packs.size();
+  for (std::size_t p = 0; p < packs.size(); ++p) {
+    if (!status.ok() && packs[failed].level != packs[p].level) break;
+    const Figures of_pack = is_usual ? all : figures(p);
+    SmallStepFigures f{std::max(errors.position, of_pack.position), std::max(errors.velocity, of_pack.velocity),
+                       std::max(errors.acceleration, of_pack.acceleration)};
+    f.iterations = row(p, GroupFigure::iterations);
+    f.ball_used = row(p, GroupFigure::ball_used);
+    f.balls_last = of_pack.needs_anchor <= 0;
+    GroupSolver& solver = *layout_.solvers[idx(packs[p].group_class)];
+    const Status s = solver.finish_small_step(layout_.packs[p], state, attempt, f, counters, errors);
+    if (s.ok() || !status.ok()) continue;
+    status = s;
+    failed = p;
+  }
+  return status;
+}
+
+// Of a group, or, behind the last one, of the mechanism.
+WholeStep::Figures WholeStep::figures(std::size_t group) {
+  static_assert(kMechanismFigures <= kGroupFigures);
+  const bool all = group == layout_.packs.size();
+  double largest[kGroupFigures];
+  kernels_.row_maxima(row(group, GroupFigure{0}), static_cast<std::int32_t>(all ? kMechanismFigures : kGroupFigures),
+                      largest);
+  const auto of = [&](MechanismFigure m, GroupFigure g) {
+    return largest[all ? static_cast<std::size_t>(m) : static_cast<std::size_t>(g)];
+  };
+  return {of(MechanismFigure::position, GroupFigure::position), of(MechanismFigure::velocity, GroupFigure::velocity),
+          of(MechanismFigure::acceleration, GroupFigure::acceleration),
+          of(MechanismFigure::needs_anchor, GroupFigure::needs_anchor)};
+}
+
+}  // namespace assur

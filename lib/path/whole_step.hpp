@@ -1,0 +1,66 @@
+// The ordinary step of a small mechanism as one call of machine code (program/mechanism_step.hpp): driven coordinates,
+// predictions and groups of all levels. If anything is unusual, the mechanism is solved as if there were no such code,
+// with the same bits.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+#include "execute/step_code.hpp"
+#include "group/attempt.hpp"
+#include "path/layout.hpp"
+#include "path/state.hpp"
+#include "program/group_step.hpp"
+#include "signals/drive_program.hpp"
+
+namespace assur {
+
+class WholeStep {
+ public:
+  // Null if there is no such code: for a group that has no coded step, for packs of several widths, or if it would be
+  // too long. All must outlive it, and the drivers must not change.
+  [[nodiscard]] static std::unique_ptr<WholeStep> make(Layout& layout, DriveProgram& drivers, const State& state,
+                                                       StepCode& code);
+
+  // To be called when coordinates at rest may have changed.
+  void forget() { knows_rest_ = false; }
+
+  // Tries the step to a time for which the laws are evaluated. True: the state at hand is solved, and finish() must
+  // follow if nothing speaks against it. False: its known coordinates and unknowns are unspecified.
+  [[nodiscard]] bool run(double* const (&state)[3], const State::Prediction& prediction, const Attempt& attempt);
+  [[nodiscard]] Status finish(double* const (&state)[3], const Attempt& attempt, Counters& counters,
+                              StepErrors& errors, std::size_t& failed);
+
+ private:
+  struct Figures {
+    double position, velocity, acceleration, needs_anchor;
+  };
+  WholeStep(Layout& layout, DriveProgram& drivers, int lanes)
+      : layout_(layout), drivers_(drivers), kernels_(pack_kernels(lanes)), lanes_(static_cast<std::size_t>(lanes)) {}
+  void reserve(std::size_t work, std::size_t weights);
+  void take_rest(const double* state);
+  void set(double& before, double value, std::size_t row);
+  [[nodiscard]] Figures figures(std::size_t group);
+  template <class Figure>
+  [[nodiscard]] double* row(std::size_t group, Figure figure) {
+    return figures_.data() + (group * kGroupFigures + static_cast<std::size_t>(figure)) * lanes_;
+  }
+  [[nodiscard]] double*& at(Memory memory, std::size_t group = 0) {
+    return memory_[group * kMemories + static_cast<std::size_t>(memory)];
+  }
+
+  Layout& layout_;
+  DriveProgram& drivers_;
+  const PackKernels& kernels_;
+  std::size_t lanes_;  // W
+  std::shared_ptr<const Executor> code_;
+  LaneArray factors_, work_, weights_;  // memory of the code
+  LaneArray inputs_, settings_;         // of all groups
+  LaneArray figures_;                   // of all groups, then of the mechanism
+  std::vector<double*> memory_;
+  double converged_ = 0, most_iterations_ = 0;  // in settings_
+  bool knows_rest_ = false;                     // inputs_ hold the coordinates at rest
+};
+
+}  // namespace assur

@@ -1,0 +1,276 @@
+#include "program/mechanism_step.hpp"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include "index.hpp"
+#include "program/graph.hpp"
+#include "program/group_step.hpp"
+#include "scene/drive.hpp"
+
+namespace assur {
+namespace {
+
+constexpr Memory kState[] = {Memory::state, Memory::state_rates, Memory::state_accelerations};
+constexpr Memory kLaws[] = {Memory::laws, Memory::law_rates, Memory::law_accelerations};
+constexpr Memory kInputs[] = {Memory::inputs, Memory::input_rates, Memory::input_accelerations};
+constexpr Value Jet<Value>::*kParts[] = {&Jet<Value>::value, &Jet<Value>::rate, &Jet<Value>::acceleration};
+
+using Sum = DrivenOutline::Sum;
+
+class Writer {
+ public:
+  explicit Writer(const MechanismOutline& outline) : of_(outline), w_(idx(outline.lanes)) {
+    for (const Sum& s : of_.driven.sums) sum_at_[s.address] = &s;
+    find_rows();
+  }
+
+  [[nodiscard]] MechanismStep write() {
+    out_.program.phases.push_back(driven());
+    for (std::size_t g = 0; g < of_.groups.size(); ++g) {
+      out_.program.phases.push_back(inputs(g));
+      out_.program.phases.push_back(prediction(g));
+      const MechanismOutline::Groups& groups = of_.groups[g];
+      GroupProgram step = group_step(groups.group_class, groups.equations, groups.reads);
+      out_.work = std::max(out_.work, step.work);
+      for (Phase& phase : step.program.phases) {
+        assign(phase, static_cast<std::uint16_t>(g));
+        out_.program.phases.push_back(std::move(phase));
+      }
+    }
+    out_.program.phases.push_back(figures());
+    return std::move(out_);
+  }
+
+ private:
+  [[nodiscard]] std::span<const std::int32_t> addresses(std::size_t group, std::int32_t input) const {
+    return of_.groups[group].inputs.subspan(idx(input) * w_, w_);
+  }
+  static Slot one(Memory memory, std::int32_t index) {
+    return {memory, static_cast<std::uint32_t>(index), Reach::one};
+  }
+  static bool moves(const MechanismOutline::Groups& groups, std::int32_t input) {
+    return groups.group_class.input_moves[idx(input)] != 0;
+  }
+
+  // Sums that only the lanes of one input read are computed lane by lane, if they have the same coordinates.
+  void find_rows() {
+    if (w_ == 1) return;
+    std::map<std::int32_t, int> readers;
+    for (const Sum& s : of_.driven.sums) {
+      for (const DrivenOutline::Term& t : s.terms) ++readers[t.address];
+    }
+    const auto each_row = [&](const auto& take) {
+      for (std::size_t g = 0; g < of_.groups.size(); ++g) {
+        for (std::int32_t i = 0; i < of_.groups[g].group_class.inputs; ++i) {
+          take(std::pair(g, i), addresses(g, i).first(idx(of_.groups[g].used)));
+        }
+      }
+    };
+    each_row([&](auto, std::span<const std::int32_t> lanes) {
+      for (const std::int32_t a : lanes) ++readers[a];
+    });
+    each_row([&](const std::pair<std::size_t, std::int32_t>& row, std::span<const std::int32_t> lanes) {
+      const auto first = sum_at_.find(lanes[0]);
+      if (lanes.size() < 2 || first == sum_at_.end()) return;
+      const auto& like = first->second->terms;
+      for (const std::int32_t a : lanes) {
+        const auto s = sum_at_.find(a);
+        if (s == sum_at_.end() || readers[a] != 1) return;
+        const auto same = [](const DrivenOutline::Term& x, const DrivenOutline::Term& y) { return x.address == y.address; };
+        if (!std::equal(like.begin(), like.end(), s->second->terms.begin(), s->second->terms.end(), same)) return;
+      }
+      rows_.push_back(row);
+      for (const std::int32_t a : lanes) in_rows_.push_back(a);
+    });
+  }
+
+  // ---- driven coordinates
+
+  [[nodiscard]] Phase driven() {
+    Graph graph;
+    const DrivenOutline& d = of_.driven;
+    std::map<std::int32_t, Jet<Value>> of_slot, of_address;
+    const auto law = [&](std::int32_t slot) {
+      return Jet<Value>{graph.load(one(kLaws[0], slot)), graph.load(one(kLaws[1], slot)),
+                        graph.load(one(kLaws[2], slot))};
+    };
+    const auto turn = [&](std::int32_t angle) {
+      return cos_sin<Value>(law(angle), graph.load(one(Memory::cosines, angle)), graph.load(one(Memory::sines, angle)));
+    };
+    for (const auto& [angle, result] : d.directions) {
+      const CosSin<Value> both = turn(angle);
+      of_slot[result] = both.cosine;
+      of_slot[result + 1] = both.sine;
+    }
+    for (const auto& [angle, result] : d.frames) {
+      Jet<Value> r[9];
+      euler_zyx(turn(angle), turn(angle + 1), turn(angle + 2), r);
+      for (std::int32_t k = 0; k < 9; ++k) of_slot[result + k] = r[k];
+    }
+    const auto put = [&](std::int32_t address, const Jet<Value>& at) {
+      of_address[address] = at;
+      for (std::size_t k = 0; k < 3; ++k) graph.store(one(kState[k], address), at.*kParts[k]);
+    };
+    for (const DrivenOutline::Copy& c : d.copies) put(c.address, c.slot < d.laws ? law(c.slot) : of_slot.at(c.slot));
+    for (const Sum& s : d.sums) {
+      if (std::find(in_rows_.begin(), in_rows_.end(), s.address) != in_rows_.end()) continue;
+      Jet<Value> total;
+      for (const DrivenOutline::Term& t : s.terms) {
+        const Value factor = graph.load(one(Memory::factors, add_factor(t.factor)));
+        const auto known = of_address.find(t.address);
+        const Jet<Value> at = known != of_address.end() ? known->second : state(graph, t.address);
+        for (const auto part : kParts) total.*part = total.*part + factor * (at.*part);
+      }
+      put(s.address, total);
+    }
+    // NaN if a law is not defined
+    Value poison = Value::set(0);
+    for (std::int32_t slot = 0; slot < d.laws; ++slot) {
+      const Jet<Value> at = law(slot);
+      for (const auto part : kParts) poison = poison + (at.*part - at.*part);
+    }
+    graph.store(undefined(), poison);
+    return graph.phase();
+  }
+  [[nodiscard]] static Jet<Value> state(Graph& graph, std::int32_t address) {
+    return {graph.load(one(kState[0], address)), graph.load(one(kState[1], address)),
+            graph.load(one(kState[2], address))};
+  }
+  std::int32_t add_factor(double factor) {
+    out_.factors.push_back(factor);
+    return static_cast<std::int32_t>(out_.factors.size()) - 1;
+  }
+
+  // ---- groups
+
+  // Those that move.
+  [[nodiscard]] Phase inputs(std::size_t group) {
+    Graph graph;
+    const MechanismOutline::Groups& groups = of_.groups[group];
+    const auto g = static_cast<std::uint16_t>(group);
+    for (std::int32_t i = 0; i < groups.group_class.inputs; ++i) {
+      if (!moves(groups, i)) continue;
+      const Jet<Value> input = std::find(rows_.begin(), rows_.end(), std::pair(group, i)) != rows_.end()
+                                   ? row_of_sums(graph, group, i)
+                                   : gathered(graph, addresses(group, i));
+      for (std::size_t d = 0; d <= idx(groups.group_class.derivatives); ++d) {
+        graph.store({kInputs[d], static_cast<std::uint32_t>(i), Reach::row, g}, input.*kParts[d]);
+      }
+    }
+    return graph.phase();
+  }
+  // Of the unknowns.
+  [[nodiscard]] Phase prediction(std::size_t group) const {
+    Graph graph;
+    const MechanismOutline::Groups& groups = of_.groups[group];
+    for (std::uint32_t j = 0; j < static_cast<std::uint32_t>(groups.group_class.n); ++j) {
+      Value sum = Value::set(0);
+      for (std::uint32_t k = 0; k < of_.weights; ++k) {
+        const auto memory = static_cast<Memory>(static_cast<std::uint32_t>(Memory::past) + k);
+        sum.add_product(graph.load({Memory::weights, k, Reach::one}),
+                        graph.load({memory, groups.unknowns + j * static_cast<std::uint32_t>(w_), Reach::from}));
+      }
+      graph.store({Memory::unknowns, j, Reach::row, static_cast<std::uint16_t>(group)}, sum);
+    }
+    return graph.phase();
+  }
+
+  [[nodiscard]] Jet<Value> gathered(Graph& graph, std::span<const std::int32_t> from) {
+    const auto apart = [&](std::int32_t by) {
+      return std::adjacent_find(from.begin(), from.end(), [&](auto a, auto b) { return b != a + by; }) == from.end();
+    };
+    if (apart(0)) return state(graph, from[0]);
+    Slot slot{Memory::state, static_cast<std::uint32_t>(from[0]), Reach::from};
+    if (!apart(1)) slot = {Memory::state, add_addresses(from), Reach::scattered};
+    Jet<Value> out;
+    for (std::size_t k = 0; k < 3; ++k) {
+      slot.memory = kState[k];
+      out.*kParts[k] = graph.load(slot);
+    }
+    return out;
+  }
+
+  [[nodiscard]] Jet<Value> row_of_sums(Graph& graph, std::size_t group, std::int32_t input) {
+    std::vector<std::int32_t> to(addresses(group, input).begin(), addresses(group, input).end());
+    Jet<Value> total;
+    const auto& terms = sum_at_.at(to[0])->terms;
+    for (std::size_t t = 0; t < terms.size(); ++t) {
+      const auto first = static_cast<std::uint32_t>(out_.factors.size());
+      for (const std::int32_t a : to) add_factor(sum_at_.at(a)->terms[t].factor);
+      const Value factor = graph.load({Memory::factors, first, Reach::from});
+      const Jet<Value> at = state(graph, terms[t].address);
+      for (const auto part : kParts) total.*part = total.*part + factor * (at.*part);
+    }
+    std::fill(to.begin() + of_.groups[group].used, to.end(), -1);
+    const std::uint32_t scattered = add_addresses(to);
+    for (std::size_t k = 0; k < 3; ++k) {
+      graph.store({kState[k], scattered, Reach::scattered}, total.*kParts[k]);
+    }
+    return total;
+  }
+  std::uint32_t add_addresses(std::span<const std::int32_t> lanes) {
+    std::vector<std::int32_t>& all = out_.program.addresses;
+    const std::size_t begin = all.size();
+    all.insert(all.end(), lanes.begin(), lanes.end());
+    return static_cast<std::uint32_t>(begin);
+  }
+
+  // The numbers of a group_step() are those of this group.
+  static void assign(Phase& phase, std::uint16_t group) {
+    for (Instruction& n : phase.code) n.slot.group = group;
+    for (Phase::Store& s : phase.stores) s.to.group = group;
+    if (phase.repeat_while) phase.repeat_while->group = group;
+  }
+
+  // ---- figures
+
+  // Behind the last group.
+  [[nodiscard]] Slot figure(std::size_t group, std::uint32_t number) const {
+    return {Memory::figures, static_cast<std::uint32_t>(group * kGroupFigures) + number, Reach::row,
+            static_cast<std::uint16_t>(of_.groups.size())};
+  }
+  [[nodiscard]] Slot figure(MechanismFigure f) const {
+    return figure(of_.groups.size(), static_cast<std::uint32_t>(f));
+  }
+  // One number, so that the phase of the driven coordinates stores nothing else.
+  [[nodiscard]] Slot undefined() const {
+    Slot slot = figure(MechanismFigure::undefined);
+    slot.index *= static_cast<std::uint32_t>(w_);
+    slot.reach = Reach::one;
+    return slot;
+  }
+  [[nodiscard]] Phase figures() const {
+    Graph graph;
+    Value failed = graph.load(undefined());
+    Value position = Value::set(0), velocity = position, acceleration = position, needs_anchor = position;
+    for (std::size_t g = 0; g < of_.groups.size(); ++g) {
+      const auto of = [&](GroupFigure f) { return graph.load(figure(g, static_cast<std::uint32_t>(f))); };
+      failed = failed + of(GroupFigure::failed);
+      position = max(of(GroupFigure::position), position);
+      velocity = max(of(GroupFigure::velocity), velocity);
+      acceleration = max(of(GroupFigure::acceleration), acceleration);
+      needs_anchor = max(of(GroupFigure::needs_anchor), needs_anchor);
+    }
+    graph.store(figure(MechanismFigure::failed), failed);
+    graph.store(figure(MechanismFigure::position), position);
+    graph.store(figure(MechanismFigure::velocity), velocity);
+    graph.store(figure(MechanismFigure::acceleration), acceleration);
+    graph.store(figure(MechanismFigure::needs_anchor), needs_anchor);
+    return graph.phase();
+  }
+
+  const MechanismOutline& of_;
+  std::size_t w_;
+  MechanismStep out_;
+  std::map<std::int32_t, const Sum*> sum_at_;               // address
+  std::vector<std::pair<std::size_t, std::int32_t>> rows_;  // group, input
+  std::vector<std::int32_t> in_rows_;                       // addresses of sums
+};
+
+}  // namespace
+
+MechanismStep mechanism_step(const MechanismOutline& outline) { return Writer(outline).write(); }
+
+}  // namespace assur

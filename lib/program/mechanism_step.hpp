@@ -1,0 +1,81 @@
+// The step of a small mechanism as a program: driven coordinates, predictions and groups, level after level.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "assur/structure.hpp"
+#include "equations/program.hpp"
+#include "program/step_program.hpp"
+
+namespace assur {
+
+// How the driven coordinates follow from the laws. Slots 0, 1, ... are laws, those that are angles first; then results
+// of turns.
+struct DrivenOutline {
+  // Cosine and sine of an angle, or the frame of three, from a slot on.
+  struct Turn {
+    std::int32_t angle, result;
+  };
+  struct Copy {
+    std::int32_t slot, address;
+  };
+  struct Term {
+    std::int32_t address;
+    double factor;
+  };
+  // Of driven coordinates, and of coordinates at rest.
+  struct Sum {
+    std::int32_t address;
+    std::vector<Term> terms;
+  };
+
+  std::int32_t laws = 0;
+  std::vector<Turn> directions, frames;
+  std::vector<Copy> copies;
+  std::vector<Sum> sums;  // in order
+};
+
+// What the step of a mechanism consists of.
+struct MechanismOutline {
+  // W groups of one class.
+  struct Groups {
+    const GroupClass& group_class;
+    const Program& equations;
+    std::span<const std::int32_t> reads;   // see group_step()
+    std::span<const std::int32_t> inputs;  // inputs x W addresses
+    std::int32_t used;                     // lanes; the others repeat the first
+    std::uint32_t unknowns;                // address of the first, relative to the first of the mechanism
+  };
+
+  int lanes = 1;  // W
+  DrivenOutline driven;
+  std::uint32_t weights = 1;   // of the prediction
+  std::vector<Groups> groups;  // in solving order
+};
+
+// Figures of the whole step. The memory of the group behind the last one begins with the figures of all groups, then has
+// these.
+enum class MechanismFigure : std::uint32_t {
+  failed,  // these five as GroupFigure, over all groups
+  position,
+  velocity,
+  acceleration,
+  needs_anchor,
+  undefined,  // one number: 0, or NaN if a law is not defined
+};
+inline constexpr std::size_t kMechanismFigures = 6;
+
+struct MechanismStep {
+  StepProgram program;
+  std::uint32_t work = 0;       // numbers in Memory::work
+  std::vector<double> factors;  // Memory::factors
+};
+
+// For groups that all have a group_step(). Inputs that never move are not written: they must be in Memory::inputs. A lane
+// fails as well if a law is not defined.
+[[nodiscard]] MechanismStep mechanism_step(const MechanismOutline& outline);
+
+}  // namespace assur
