@@ -7,6 +7,7 @@
 #include <bit>
 #include <cstdint>
 #include <cstdio>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -115,10 +116,13 @@ class Writer {
     a_.sub(x86::rsp, static_cast<std::int32_t>((stack + 1) * kVector));
     a_.and_(x86::rsp, -kVector);
     addresses_ = program.addresses.data();
+    for (const Phase& phase : program.phases) memories_.push_back(memories_of(phase));
+    based_.fill(kNoMemory);
     for (const Phase& phase : program.phases) {
-      const bool once = !phase.repeat_while && std::all_of(phase.stores.begin(), phase.stores.end(), [](const auto& s) {
-        return s.to.reach == Reach::one;
-      });
+      const auto number = static_cast<std::size_t>(&phase - program.phases.data());
+      if (!load_bases(number, phase.repeat_while.has_value())) return false;
+      const bool once = !phase.repeat_while && std::all_of(phase.stores.begin(), phase.stores.end(),
+                                                           [](const auto& s) { return s.to.reach == Reach::one; });
       for (first_ = 0; first_ < (once ? width_ : lanes_); first_ += width_) {
         if (!write_repeated(phase)) return false;
       }
@@ -141,6 +145,7 @@ class Writer {
 
  private:
   static constexpr std::uint32_t kFree = UINT32_MAX;  // no value, no register, no place on the stack
+  static constexpr std::size_t kNoMemory = SIZE_MAX;
   static constexpr std::int32_t kVector = 64;
   static constexpr x86::Gp kSaved[] = {x86::rbx, x86::r12, x86::r13, x86::r14, x86::r15};
   static constexpr x86::Gp kBases[] = {x86::rax, x86::rcx, x86::rdx, x86::rsi, x86::r8,  x86::r9, x86::r10,
@@ -148,25 +153,50 @@ class Writer {
 
   // ---- memory
 
-  // Loads the addresses of the memories of a phase. False if they are more than the registers.
-  [[nodiscard]] bool load_bases(const Phase& phase) {
-    based_.clear();
-    const auto need = [&](const Slot& s) {
-      const std::size_t memory = memory_of(s);
-      if (std::find(based_.begin(), based_.end(), memory) == based_.end()) based_.push_back(memory);
+  static std::vector<std::size_t> memories_of(const Phase& phase) {
+    std::vector<std::size_t> out;
+    const auto add = [&](const Slot& s) {
+      if (std::find(out.begin(), out.end(), memory_of(s)) == out.end()) out.push_back(memory_of(s));
     };
     for (const Instruction& n : phase.code) {
-      if (n.op == Op::load) need(n.slot);
+      if (n.op == Op::load) add(n.slot);
     }
-    for (const Phase::Store& s : phase.stores) need(s.to);
-    if (based_.size() > std::size(kBases)) return false;
-    for (std::size_t k = 0; k < based_.size(); ++k) a_.mov(kBases[k], pointer_to(based_[k]));
+    for (const Phase::Store& s : phase.stores) add(s.to);
+    if (phase.repeat_while) add(*phase.repeat_while);
+    return out;
+  }
+  // Before a phase, and before the label of a loop, loads the addresses of its memories, and those of the next phase
+  // into registers that are left: behind a branch that was not foreseen they would be late. False if a loop needs more
+  // than the registers.
+  [[nodiscard]] bool load_bases(std::size_t phase, bool is_loop) {
+    const std::vector<std::size_t>& needed = memories_[phase];
+    if (needed.size() > std::size(kBases)) return !is_loop;  // each is loaded where it is needed
+    for (const std::size_t memory : needed) (void)base(memory);
+    if (!is_loop || phase + 1 == memories_.size()) return true;
+    std::size_t left = std::size(kBases) - needed.size();
+    for (const std::size_t memory : memories_[phase + 1]) {
+      if (contains(needed, memory)) continue;
+      if (left-- == 0) break;
+      (void)base(memory);
+    }
+    for (const std::size_t memory : needed) (void)base(memory);  // the last to leave
     return true;
   }
-  static x86::Mem pointer_to(std::size_t memory) { return x86::ptr(x86::rdi, static_cast<std::int32_t>(memory) * 8); }
-  [[nodiscard]] const x86::Gp& base(const Slot& s) const {
-    return kBases[std::find(based_.begin(), based_.end(), memory_of(s)) - based_.begin()];
+  // The register with the address of a memory. The one that was not needed for the longest time gives way.
+  [[nodiscard]] const x86::Gp& base(std::size_t memory) {
+    auto at = std::find(based_.begin(), based_.end(), memory);
+    if (at == based_.end()) {
+      at = based_.begin() + (std::min_element(needed_at_.begin(), needed_at_.end()) - needed_at_.begin());
+      *at = memory;
+      a_.mov(kBases[at - based_.begin()], pointer_to(memory));
+    }
+    needed_at_[static_cast<std::size_t>(at - based_.begin())] = ++time_;
+    return kBases[at - based_.begin()];
   }
+  static bool contains(std::span<const std::size_t> all, std::size_t one) {
+    return std::find(all.begin(), all.end(), one) != all.end();
+  }
+  static x86::Mem pointer_to(std::size_t memory) { return x86::ptr(x86::rdi, static_cast<std::int32_t>(memory) * 8); }
   // Numbers that are no neighbours are moved one by one.
   [[nodiscard]] bool are_neighbours(const Slot& s) const {
     return s.reach == Reach::row || s.reach == Reach::from || (s.reach == Reach::one && width_ == 1);
@@ -178,8 +208,8 @@ class Writer {
     if (s.reach == Reach::scattered) return addresses_[s.index + static_cast<std::uint32_t>(first_ + k)] * 8;
     return ((s.reach == Reach::row ? index * lanes_ : index) + first_) * 8;
   }
-  [[nodiscard]] x86::Mem slot(const Slot& s) const { return x86::ptr(base(s), offset(s), bytes()); }
-  [[nodiscard]] x86::Mem number(const Slot& s, int k) const { return x86::ptr(base(s), offset(s, k), 8); }
+  [[nodiscard]] x86::Mem slot(const Slot& s) { return x86::ptr(base(memory_of(s)), offset(s), bytes()); }
+  [[nodiscard]] x86::Mem number(const Slot& s, int k) { return x86::ptr(base(memory_of(s)), offset(s, k), 8); }
   x86::Mem constant(std::uint64_t bits) {
     const auto found = std::find(constants_.begin(), constants_.end(), bits);
     const auto at = static_cast<std::int32_t>(found - constants_.begin());
@@ -240,9 +270,7 @@ class Writer {
     const Op op = phase_->code[value].op;
     return op == Op::constant || (is_simple_load(phase_->code[value]) && !is_moved_[value]);
   }
-  [[nodiscard]] bool is_simple_load(const Instruction& n) const {
-    return n.op == Op::load && are_neighbours(n.slot);
-  }
+  [[nodiscard]] bool is_simple_load(const Instruction& n) const { return n.op == Op::load && are_neighbours(n.slot); }
   void evict(std::uint32_t r) {
     const std::uint32_t value = value_in_[r];
     leave(r);
@@ -295,16 +323,18 @@ class Writer {
   void jump_unless_positive(Slot s, const asmjit::Label& to) {
     const asmjit::Imm greater(0x1e);  // false for NaN, quiet
     const x86::Vec value = vector(0), zero = vector(1);
-    a_.mov(x86::rax, pointer_to(memory_of(s)));
-    move(value, x86::ptr(x86::rax, offset(s), bytes()));
+    move(value, slot(s));
     a_.vxorpd(x86::xmm1, x86::xmm1, x86::xmm1);
     if (width_ == 8) {
       a_.vcmppd(x86::k1, value, zero, greater);
       a_.kortestb(x86::k1, x86::k1);
+    } else if (width_ == 1) {
+      a_.vucomisd(value.xmm(), x86::xmm1);  // unordered: below
+      a_.jbe(to);
+      return;
     } else {
       a_.vcmppd(value, value, zero, greater);
-      a_.vmovmskpd(x86::eax, value);
-      a_.test(x86::eax, x86::eax);
+      a_.vtestpd(value, value);
     }
     a_.jz(to);
   }
@@ -321,7 +351,6 @@ class Writer {
     return true;
   }
   [[nodiscard]] bool write(const Phase& phase) {
-    if (!load_bases(phase)) return false;
     Uses uses(phase);
     phase_ = &phase;
     uses_ = &uses;
@@ -560,9 +589,12 @@ class Writer {
   x86::Assembler a_;
   asmjit::Label constants_at_;
   std::vector<std::uint64_t> constants_;
-  const std::int32_t* addresses_ = nullptr;  // StepProgram::addresses
-  int first_ = 0;                            // lane of the vector
-  std::vector<std::size_t> based_;           // memories with a register of kBases, in this order
+  const std::int32_t* addresses_ = nullptr;                   // StepProgram::addresses
+  int first_ = 0;                                             // lane of the vector
+  std::vector<std::vector<std::size_t>> memories_;            // of the phases
+  std::array<std::size_t, std::size(kBases)> based_{};        // memory whose address is in each register
+  std::array<std::uint64_t, std::size(kBases)> needed_at_{};  // when it was needed last
+  std::uint64_t time_ = 0;
   const Phase* phase_ = nullptr;
   Uses* uses_ = nullptr;
   Point at_ = 0;

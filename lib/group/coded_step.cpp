@@ -21,25 +21,22 @@ class CodedStep final : public SmallStep {
   [[nodiscard]] bool is_code() const override { return true; }
 
  private:
-  void set(GroupSetting setting, double value);
-  template <class Row>
-  [[nodiscard]] double* row(LaneArray& of, Row number) const {
-    return of.data() + static_cast<std::size_t>(number) * idx(work_.lanes);
+  [[nodiscard]] const double* row(GroupFigure f) const {
+    return figures_.data() + static_cast<std::size_t>(f) * idx(work_.lanes);
   }
   [[nodiscard]] double*& at(Memory m) { return memory_[static_cast<std::size_t>(m)]; }
 
   const Workspace& work_;
   std::shared_ptr<const Executor> code_;
   std::array<LaneArray, 3> inputs_;  // [d]: d-th derivatives of the inputs, inputs x W
-  std::array<double, kGroupSettings> set_{};
-  LaneArray settings_, values_, figures_;  // memory of the code, rows x W
+  std::array<double, kGroupSettings> settings_{};
+  LaneArray values_, figures_;  // memory of the code, rows x W
   std::array<double*, kMemories> memory_{};
 };
 
 CodedStep::CodedStep(const Workspace& work, CodeOfStep code) : work_(work), code_(std::move(code.executor)) {
   const std::size_t w = idx(work.lanes);
   for (LaneArray& of : inputs_) of.assign(idx(work.program.inputs) * w, 0.0);
-  settings_.assign(kGroupSettings * w, 0.0);
   values_.assign(code.work * w, 0.0);
   figures_.assign(kGroupFigures * w, 0.0);
   at(Memory::inputs) = inputs_[0].data();
@@ -48,13 +45,6 @@ CodedStep::CodedStep(const Workspace& work, CodeOfStep code) : work_(work), code
   at(Memory::settings) = settings_.data();
   at(Memory::work) = values_.data();
   at(Memory::figures) = figures_.data();
-}
-
-void CodedStep::set(GroupSetting setting, double value) {
-  const auto s = static_cast<std::size_t>(setting);
-  if (set_[s] == value) return;
-  set_[s] = value;
-  std::fill_n(row(settings_, setting), work_.lanes, value);
 }
 
 bool CodedStep::run(const Pack& pack, double* const (&state)[3], int most_iterations, double converged,
@@ -69,9 +59,8 @@ bool CodedStep::run(const Pack& pack, double* const (&state)[3], int most_iterat
     work_.kernels.gather_all(pack.input_rows.data(), pack.inputs.data(), work_.program.inputs, state,
                              &at(Memory::inputs), derivatives + 1);
   }
-  set(GroupSetting::converged_at, converged);
-  set(GroupSetting::most_iterations, most_iterations);
-  std::copy_n(pack.ball_used.begin(), work_.lanes, row(settings_, GroupSetting::ball_used));
+  settings_[slot_of(GroupSetting::converged_at).index] = converged;
+  settings_[slot_of(GroupSetting::most_iterations).index] = most_iterations;
   const auto put = [&](Memory m, const double* from) { at(m) = const_cast<double*>(from); };
   put(Memory::coefficients, pack.coefficients.data());
   put(Memory::unknowns, state[0] + pack.unknowns);
@@ -80,6 +69,7 @@ bool CodedStep::run(const Pack& pack, double* const (&state)[3], int most_iterat
   put(Memory::pivots, pack.swaps.data());
   put(Memory::anchor, pack.anchor.data());
   put(Memory::omega, pack.omega.data());
+  put(Memory::ball_used, pack.ball_used.data());
   code_->run(memory_);
   double of_all[kGroupFigures];
   const double* largest = figures_.data();
@@ -88,13 +78,13 @@ bool CodedStep::run(const Pack& pack, double* const (&state)[3], int most_iterat
     largest = of_all;
   }
   const auto figure = [&](GroupFigure f) { return largest[static_cast<std::size_t>(f)]; };
-  figures.failed = row(figures_, GroupFigure::failed);
+  figures.failed = row(GroupFigure::failed);
   if (figure(GroupFigure::failed) > 0) return false;
-  figures.iterations = row(figures_, GroupFigure::iterations);
+  figures.iterations = row(GroupFigure::iterations);
   figures.position = std::max(figures.position, figure(GroupFigure::position));
   if (derivatives > 0) figures.velocity = std::max(figures.velocity, figure(GroupFigure::velocity));
   if (derivatives > 1) figures.acceleration = std::max(figures.acceleration, figure(GroupFigure::acceleration));
-  figures.ball_used = row(figures_, GroupFigure::ball_used);
+  figures.ball_used = row(GroupFigure::ball_used);
   figures.balls_last = figure(GroupFigure::needs_anchor) <= 0;
   return true;
 }

@@ -141,7 +141,7 @@ bool GroupSolver::small_step(Pack& pack, double* const (&state)[3], const Attemp
 }
 
 Status GroupSolver::finish_small_step(Pack& pack, double* const (&state)[3], const Attempt& attempt,
-                                      SmallStepFigures figures, Counters& counters, StepErrors& errors) {
+                                      const SmallStepFigures& figures, Counters& counters, StepErrors& errors) {
   double sum = 0, most = 0;
   for (std::int32_t l = 0; l < pack.used; ++l) {
     sum += figures.iterations[l];
@@ -157,10 +157,10 @@ Status GroupSolver::finish_small_step(Pack& pack, double* const (&state)[3], con
   counters.factorizations += factorizations;
   counters.factorized_unknowns += n * factorizations;
   counters.solved_unknowns += n * (iterations + used * derivatives);
-  if (figures.position > std::max(errors.position, kConverged)) {
-    figures.position = std::max(errors.position, step_.residual_of(pack, state[0]));
-  }
-  errors = {figures.position, figures.velocity, figures.acceleration};
+  const bool is_measured = figures.position > std::max(errors.position, kConverged);
+  errors.position = is_measured ? std::max(errors.position, step_.residual_of(pack, state[0])) : figures.position;
+  errors.velocity = figures.velocity;
+  errors.acceleration = figures.acceleration;
   pack.keep_use(attempt.number);
   if (!figures.balls_last) return renew_anchor(pack, state, attempt, counters);
   std::copy_n(figures.ball_used, work_.lanes, pack.ball_used.begin());

@@ -25,8 +25,8 @@ class StepSource : public PackSource<W> {
         converged_(converged),
         most_iterations_(most_iterations) {}
 
+  HWY_INLINE L ball_used() const { return L::load(ball_used_); }
   HWY_INLINE L setting(GroupSetting s) const {
-    if (s == GroupSetting::ball_used) return L::load(ball_used_);
     return L::set(s == GroupSetting::converged_at ? converged_ : most_iterations_);
   }
 

@@ -6,10 +6,10 @@
 
 #include "assur/status.hpp"
 #include "decimal.hpp"
-#include "program/step_rules.hpp"
 #include "index.hpp"
 #include "numbers.hpp"
 #include "path/near_pass.hpp"
+#include "program/step_rules.hpp"
 #include "scene/names.hpp"
 #include "scene/residual_scale.hpp"
 
@@ -82,6 +82,7 @@ void Continuation::keep_what_is_read(std::vector<std::uint8_t> marked) {
   for (LaneArray& v : known_) v.assign(inputs_.bends() ? layout_.size : 0, 0.0);
   mechanism_.check_inputs(inputs_.evaluated());
   whole_.reset();
+  if (prepared_.code != nullptr) inputs_.use(*prepared_.code);
   if (prepared_.code != nullptr && together_ == nullptr && levels_.threads() == 1) {
     whole_ = WholeStep::make(layout_, inputs_.program(), state_, *prepared_.code);
   }
@@ -608,9 +609,13 @@ bool Continuation::may_choose_anew(bool asked, double first) const {
 
 // The code of a whole step predicts for itself.
 void Continuation::predict(double target, Attempt::Branch branch) {
-  prediction_ = over_ != nullptr ? state_.begin_prediction(*over_, target)
-                : expands_       ? state_.begin_expansion(target)
-                                 : state_.begin_prediction(target);
+  if (over_ != nullptr) {
+    state_.begin_prediction(*over_, target, prediction_);
+  } else if (expands_) {
+    state_.begin_expansion(target, prediction_);
+  } else {
+    state_.begin_prediction(target, prediction_);
+  }
   is_predicted_ = !whole_ || over_ != nullptr || !is_usual(branch);
   if (is_predicted_) combine();
 }

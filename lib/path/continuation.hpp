@@ -15,7 +15,6 @@
 #include "assur/plan.hpp"
 #include "assur/report.hpp"
 #include "assur/step_limits.hpp"
-#include "program/step_rules.hpp"
 #include "numbers.hpp"
 #include "path/approach.hpp"
 #include "path/bows.hpp"
@@ -27,6 +26,7 @@
 #include "path/stride.hpp"
 #include "path/together.hpp"
 #include "path/whole_step.hpp"
+#include "program/step_rules.hpp"
 #include "signals/inputs.hpp"
 
 namespace assur {

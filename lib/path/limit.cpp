@@ -186,7 +186,8 @@ std::pair<double, double> Continuation::fold_between(double target, double t) {
   // Just behind a fold, residuals stop falling so low that Newton's method takes them for rounding.
   const double rounding_left = std::max(kConverged, 2 * last_errors_.position);
   const auto is_solved = [&](double at) {
-    state_.predict(state_.begin_expansion(at, 1), 0, state_.unknowns());
+    state_.begin_expansion(at, prediction_, 1);
+    state_.predict(prediction_, 0, state_.unknowns());
     const double farthest = kRoomOfBranch * std::abs(at - now_) * state_.speed();
     for (double before = kInfinity;;) {
       StepErrors errors;

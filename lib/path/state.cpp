@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "index.hpp"
 #include "numbers.hpp"
 
 namespace assur {
@@ -56,37 +57,41 @@ void State::begin() {
   begun_ = true;
 }
 
-void State::predict(double t) { predict(begin_prediction(t), 0, unknowns()); }
+void State::predict(double t) {
+  Prediction prediction;
+  begin_prediction(t, prediction);
+  predict(prediction, 0, unknowns());
+}
 
-State::Prediction State::begin_prediction(double t) {
+void State::begin_prediction(double t, Prediction& out) {
   begin();
   const PredictionWeights& w = weights_.at(predictor_, times_, t);
-  Prediction out;
   std::int32_t count = 0;
   std::size_t place = rings_[0].place(last());  // derivatives that are read lie in the same places
   for (std::size_t p = 0; p < static_cast<std::size_t>(w.postures); ++p) {
     for (std::size_t d = 0; d < static_cast<std::size_t>(levels_); ++d) {
       out.sources[count] = rings_[d].postures[place].data() + first_unknown_;
-      out.weights[count] = w.weight[p][d];
-      if (w.weight[p][d] != 0) ++count;
+      out.weights[count++] = w.weight[p][d];
     }
     if (++place == rings_[0].count) place = 0;
   }
   out.count = count;
-  return out;
+  for (std::size_t i = idx(count); i < weights(); ++i) {
+    out.sources[i] = out.sources[0];
+    out.weights[i] = 0;
+  }
 }
 
-State::Prediction State::begin_expansion(double t, int derivatives) {
-  if (levels_ > 2 && derivatives == 2) return begin_prediction(t);
+void State::begin_expansion(double t, Prediction& out, int derivatives) {
+  if (levels_ > 2 && derivatives == 2) return begin_prediction(t, out);
   begin();
   const double dt = t - times_.front();
-  Prediction out;
+  out.count = 0;
   for (const double weight : {1.0, dt, dt * dt / 2}) {
     out.sources[out.count] = ring(out.count).at(last()) + first_unknown_;
     out.weights[out.count++] = weight;
     if (out.count > derivatives) break;
   }
-  return out;
 }
 
 void State::reserve(Way& way) const {
@@ -102,20 +107,18 @@ void State::keep(Way& way) const {
   way.count = std::min(way.count + 1, Way::kMost);
 }
 
-State::Prediction State::begin_prediction(const Way& way, double t) {
+void State::begin_prediction(const Way& way, double t, Prediction& out) {
   begin();
   const Predictor through_all{Predictor::Kind::past, static_cast<std::int32_t>(way.count) - 1};
   const PredictionWeights w = prediction_weights(through_all, std::span(way.times).first(way.count), t);
-  Prediction out;
-  for (; out.count < w.postures; ++out.count) {
+  for (out.count = 0; out.count < w.postures; ++out.count) {
     out.sources[out.count] = way.postures[static_cast<std::size_t>(out.count)].data() + first_unknown_;
     out.weights[out.count] = w.weight[static_cast<std::size_t>(out.count)][0];
   }
-  return out;
 }
 
 void State::predict(const Prediction& prediction, std::size_t begin, std::size_t end) {
-  const double* sources[3 * kMostPostures];
+  const double* sources[kMostWeights];
   for (std::int32_t i = 0; i < prediction.count; ++i) sources[i] = prediction.sources[i] + begin;
   kernels_->combine(sources, prediction.weights, prediction.count, end - begin, at(0) + first_unknown_ + begin);
 }

@@ -33,18 +33,21 @@ class State {
   void clear();
   // Begins the next posture: predicts its unknowns from the accepted postures.
   void predict(double t);
-  // The same in parts for several threads: begin_prediction(), then predict() for ranges of all unknowns().
+  // The same in parts for several threads: begin_prediction(), then predict() for ranges of all unknowns(). The weights
+  // behind `count`, up to weights(), are 0 if the time alone is given.
   struct Prediction {
-    const double* sources[3 * kMostPostures];
-    double weights[3 * kMostPostures];
+    const double* sources[kMostWeights];
+    double weights[kMostWeights];
     std::int32_t count = 0;
   };
-  [[nodiscard]] Prediction begin_prediction(double t);
+  void begin_prediction(double t, Prediction& out);
   // The most weights that it has.
-  [[nodiscard]] std::uint32_t weights() const { return static_cast<std::uint32_t>(depth_) * static_cast<std::uint32_t>(levels_); }
+  [[nodiscard]] std::uint32_t weights() const {
+    return static_cast<std::uint32_t>(depth_) * static_cast<std::uint32_t>(levels_);
+  }
   // A prediction by the Taylor series of the last accepted posture, up to the first or second derivative; for the
   // second by the predictor if it reads all derivatives itself.
-  [[nodiscard]] Prediction begin_expansion(double t, int derivatives = 2);
+  void begin_expansion(double t, Prediction& out, int derivatives = 2);
   // A prediction by a polynomial through accepted postures that keep() collected, newest first.
   struct Way {
     static constexpr std::size_t kMost = 4;
@@ -54,7 +57,7 @@ class State {
   };
   void reserve(Way& way) const;
   void keep(Way& way) const;
-  [[nodiscard]] Prediction begin_prediction(const Way& way, double t);
+  void begin_prediction(const Way& way, double t, Prediction& out);
   void predict(const Prediction& prediction, std::size_t begin, std::size_t end);
   [[nodiscard]] std::size_t unknowns() const { return size_ - first_unknown_; }
   // Largest change from the last accepted posture to the prediction, over `count` unknowns from an address on.

@@ -15,6 +15,7 @@ std::size_t inputs_of(const Pack& pack) { return pack.inputs.size(); }
 }  // namespace
 
 std::unique_ptr<WholeStep> WholeStep::make(Layout& layout, DriveProgram& drivers, const State& state, StepCode& code) {
+  static_assert(kMostWeights == kMostPast);
   if (layout.packs.empty()) return nullptr;
   const auto solver = [&](const Pack& pack) -> const GroupSolver& { return *layout.solvers[idx(pack.group_class)]; };
   MechanismOutline outline{solver(layout.packs[0]).lanes(), drivers.outline(), state.weights(), {}};
@@ -29,18 +30,17 @@ std::unique_ptr<WholeStep> WholeStep::make(Layout& layout, DriveProgram& drivers
   out->code_ = code.of(step.program, outline.lanes);
   if (!out->code_) return nullptr;
   out->factors_.assign(step.factors.begin(), step.factors.end());
-  out->reserve(step.work, outline.weights);
+  out->weights_ = outline.weights;
+  out->reserve(step.work);
   return out;
 }
 
-void WholeStep::reserve(std::size_t work, std::size_t weights) {
+void WholeStep::reserve(std::size_t work) {
   const std::vector<Pack>& packs = layout_.packs;
   std::size_t inputs = 0;
   for (const Pack& pack : packs) inputs += inputs_of(pack);
   work_.assign(work * lanes_, 0.0);
-  weights_.assign(weights, 0.0);
   inputs_.assign(3 * inputs, 0.0);
-  settings_.assign(packs.size() * kGroupSettings * lanes_, 0.0);
   figures_.assign((packs.size() * kGroupFigures + kMechanismFigures) * lanes_, 0.0);
   memory_.assign((packs.size() + 1) * kMemories, nullptr);
   at(Memory::laws) = drivers_.jets(0);
@@ -49,13 +49,12 @@ void WholeStep::reserve(std::size_t work, std::size_t weights) {
   at(Memory::sines) = drivers_.sines();
   at(Memory::cosines) = drivers_.cosines();
   at(Memory::factors) = factors_.data();
-  at(Memory::weights) = weights_.data();
   double* next = inputs_.data();
   for (std::size_t p = 0; p < packs.size(); ++p) {
     for (const Memory m : {Memory::inputs, Memory::input_rates, Memory::input_accelerations}) {
       at(m, p) = std::exchange(next, next + inputs_of(packs[p]));
     }
-    at(Memory::settings, p) = settings_.data() + p * kGroupSettings * lanes_;
+    at(Memory::settings, p) = settings_.data();
     at(Memory::work, p) = work_.data();
     at(Memory::figures, p) = figures_.data() + p * kGroupFigures * lanes_;
   }
@@ -70,39 +69,29 @@ void WholeStep::take_rest(const double* state) {
   knows_rest_ = true;
 }
 
-// The same number for all groups and lanes.
-void WholeStep::set(double& before, double value, std::size_t row) {
-  if (before == value) return;
-  before = value;
-  for (std::size_t p = 0; p < layout_.packs.size(); ++p) {
-    std::fill_n(at(Memory::settings, p) + row * lanes_, lanes_, value);
-  }
-}
-
 bool WholeStep::run(double* const (&state)[3], const State::Prediction& prediction, const Attempt& attempt) {
   if (!knows_rest_) take_rest(state[0]);
-  set(converged_, attempt.converged, static_cast<std::size_t>(GroupSetting::converged_at));
-  set(most_iterations_, attempt.most_iterations, static_cast<std::size_t>(GroupSetting::most_iterations));
-  const auto put = [&](Memory m, const double* from, std::size_t p = 0) { at(m, p) = const_cast<double*>(from); };
+  settings_[slot_of(GroupSetting::converged_at).index] = attempt.converged;
+  settings_[slot_of(GroupSetting::most_iterations).index] = attempt.most_iterations;
+  double** to = memory_.data();
+  const auto put = [&](Memory m, const double* from) { to[static_cast<std::size_t>(m)] = const_cast<double*>(from); };
   put(Memory::state, state[0]);
   put(Memory::state_rates, state[1]);
   put(Memory::state_accelerations, state[2]);
-  for (std::size_t k = 0; k < weights_.size(); ++k) {
-    const bool is_used = k < idx(prediction.count);
-    weights_[k] = is_used ? prediction.weights[k] : 0;
-    memory_[static_cast<std::size_t>(Memory::past) + k] = const_cast<double*>(prediction.sources[is_used ? k : 0]);
+  put(Memory::weights, prediction.weights);
+  for (std::size_t k = 0; k < weights_; ++k) {
+    to[static_cast<std::size_t>(Memory::past) + k] = const_cast<double*>(prediction.sources[k]);
   }
-  for (std::size_t p = 0; p < layout_.packs.size(); ++p) {
-    const Pack& pack = layout_.packs[p];
-    const std::size_t ball = static_cast<std::size_t>(GroupSetting::ball_used);
-    std::copy_n(pack.ball_used.begin(), lanes_, at(Memory::settings, p) + ball * lanes_);
-    put(Memory::coefficients, pack.coefficients.data(), p);
-    put(Memory::unknowns, state[0] + pack.unknowns, p);
-    put(Memory::rates, state[1] + pack.unknowns, p);
-    put(Memory::accelerations, state[2] + pack.unknowns, p);
-    put(Memory::pivots, pack.swaps.data(), p);
-    put(Memory::anchor, pack.anchor.data(), p);
-    put(Memory::omega, pack.omega.data(), p);
+  for (const Pack& pack : layout_.packs) {
+    put(Memory::coefficients, pack.coefficients.data());
+    put(Memory::unknowns, state[0] + pack.unknowns);
+    put(Memory::rates, state[1] + pack.unknowns);
+    put(Memory::accelerations, state[2] + pack.unknowns);
+    put(Memory::pivots, pack.swaps.data());
+    put(Memory::anchor, pack.anchor.data());
+    put(Memory::omega, pack.omega.data());
+    put(Memory::ball_used, pack.ball_used.data());
+    to += kMemories;
   }
   drivers_.find_sines();
   code_->run(memory_);
@@ -141,9 +130,12 @@ Status WholeStep::finish(double* const (&state)[3], const Attempt& attempt, Coun
 WholeStep::Figures WholeStep::figures(std::size_t group) {
   static_assert(kMechanismFigures <= kGroupFigures);
   const bool all = group == layout_.packs.size();
-  double largest[kGroupFigures];
-  kernels_.row_maxima(row(group, GroupFigure{0}), static_cast<std::int32_t>(all ? kMechanismFigures : kGroupFigures),
-                      largest);
+  double of_lanes[kGroupFigures];
+  const double* largest = row(group, GroupFigure{0});
+  if (lanes_ > 1) {
+    kernels_.row_maxima(largest, static_cast<std::int32_t>(all ? kMechanismFigures : kGroupFigures), of_lanes);
+    largest = of_lanes;
+  }
   const auto of = [&](MechanismFigure m, GroupFigure g) {
     return largest[all ? static_cast<std::size_t>(m) : static_cast<std::size_t>(g)];
   };

@@ -3,6 +3,7 @@
 // with the same bits.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <memory>
 #include <vector>
@@ -29,8 +30,8 @@ class WholeStep {
   // Tries the step to a time for which the laws are evaluated. True: the state at hand is solved, and finish() must
   // follow if nothing speaks against it. False: its known coordinates and unknowns are unspecified.
   [[nodiscard]] bool run(double* const (&state)[3], const State::Prediction& prediction, const Attempt& attempt);
-  [[nodiscard]] Status finish(double* const (&state)[3], const Attempt& attempt, Counters& counters,
-                              StepErrors& errors, std::size_t& failed);
+  [[nodiscard]] Status finish(double* const (&state)[3], const Attempt& attempt, Counters& counters, StepErrors& errors,
+                              std::size_t& failed);
 
  private:
   struct Figures {
@@ -38,9 +39,8 @@ class WholeStep {
   };
   WholeStep(Layout& layout, DriveProgram& drivers, int lanes)
       : layout_(layout), drivers_(drivers), kernels_(pack_kernels(lanes)), lanes_(static_cast<std::size_t>(lanes)) {}
-  void reserve(std::size_t work, std::size_t weights);
+  void reserve(std::size_t work);
   void take_rest(const double* state);
-  void set(double& before, double value, std::size_t row);
   [[nodiscard]] Figures figures(std::size_t group);
   template <class Figure>
   [[nodiscard]] double* row(std::size_t group, Figure figure) {
@@ -55,12 +55,13 @@ class WholeStep {
   const PackKernels& kernels_;
   std::size_t lanes_;  // W
   std::shared_ptr<const Executor> code_;
-  LaneArray factors_, work_, weights_;  // memory of the code
-  LaneArray inputs_, settings_;         // of all groups
-  LaneArray figures_;                   // of all groups, then of the mechanism
+  std::size_t weights_ = 0;   // of the prediction
+  LaneArray factors_, work_;  // memory of the code
+  LaneArray inputs_;          // of all groups
+  LaneArray figures_;         // of all groups, then of the mechanism
   std::vector<double*> memory_;
-  double converged_ = 0, most_iterations_ = 0;  // in settings_
-  bool knows_rest_ = false;                     // inputs_ hold the coordinates at rest
+  std::array<double, kGroupSettings> settings_{};
+  bool knows_rest_ = false;  // inputs_ hold the coordinates at rest
 };
 
 }  // namespace assur

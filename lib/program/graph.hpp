@@ -95,6 +95,7 @@ class Graph {
 [[nodiscard]] inline Value operator*(double a, const Value& b) { return Value::set(a) * b; }
 [[nodiscard]] inline Value sqrt(const Value& a) { return make(Op::square_root, a); }
 [[nodiscard]] inline Value abs(const Value& a) { return make(Op::absolute, a); }
+[[nodiscard]] inline Value round(const Value& a) { return make(Op::round, a); }
 [[nodiscard]] inline Value max(const Value& a, const Value& b) { return make(Op::larger, a, b); }
 // a <= b ? yes : no
 [[nodiscard]] inline Value if_at_most(const Value& a, const Value& b, const Value& yes, const Value& no) {

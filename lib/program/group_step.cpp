@@ -23,10 +23,10 @@ struct Layout {
 // The numbers of a pack as slots. A coefficient without constants of the group is part of the program.
 class Slots {
  public:
-  Slots(Graph& graph, const Program& program) : graph_(graph), program_(program) {}
+  Slots(Graph& graph, const Program& program, std::uint16_t group) : graph_(graph), program_(program), group_(group) {}
 
   [[nodiscard]] Value load(Memory memory, std::size_t index) const {
-    return graph_.load({memory, static_cast<std::uint32_t>(index)});
+    return graph_.load({memory, static_cast<std::uint32_t>(index), Reach::row, group_});
   }
   [[nodiscard]] Value coefficient(std::int32_t k) const {
     if (k == zero_coefficient(program_)) return Value::set(0);
@@ -42,11 +42,33 @@ class Slots {
   [[nodiscard]] Value pivot(std::size_t k) const { return load(Memory::pivots, k); }
   [[nodiscard]] Value anchor(std::size_t k) const { return load(Memory::anchor, k); }
   [[nodiscard]] Value omega() const { return load(Memory::omega, 0); }
-  [[nodiscard]] Value setting(GroupSetting s) const { return graph_.load(slot_of(s)); }
+  [[nodiscard]] Value ball_used() const { return load(Memory::ball_used, 0); }
+  [[nodiscard]] Value setting(GroupSetting s) const { return graph_.load(of_group(slot_of(s), group_)); }
+
+  [[nodiscard]] static Slot of_group(Slot slot, std::uint16_t group) {
+    slot.group = group;
+    return slot;
+  }
 
  private:
   Graph& graph_;
   const Program& program_;
+  std::uint16_t group_;
+};
+
+// The same where inputs and predicted unknowns are values of the graph.
+class GivenValues : public Slots {
+ public:
+  GivenValues(const Slots& slots, const GroupBegin& begin) : Slots(slots), begin_(begin) {}
+
+  [[nodiscard]] Value input(int derivative, std::int32_t i) const {
+    const Value& given = begin_.inputs[idx(i)];
+    return derivative > 0 || given.is_constant() ? Slots::input(derivative, i) : given;
+  }
+  [[nodiscard]] Value unknown(int j) const { return begin_.unknowns[idx(j)]; }
+
+ private:
+  const GroupBegin& begin_;
 };
 
 // Writes the phases of a SmallGroup, one after the other.
@@ -56,15 +78,20 @@ class Writer {
 
  public:
   template <class... Arguments>
-  Writer(const GroupClass& group_class, const Program& program, const Arguments&... arguments)
-      : group_class_(group_class), program_(program), group_(group_class, program, arguments...) {}
+  Writer(std::uint16_t number, const GroupClass& group_class, const Program& program, const Arguments&... arguments)
+      : number_(number), group_class_(group_class), program_(program), group_(group_class, program, arguments...) {}
 
-  [[nodiscard]] StepProgram write(std::span<const std::int32_t> reads) {
+  [[nodiscard]] StepProgram write(std::span<const std::int32_t> reads, const GroupBegin* begin) {
     StepProgram out;
     {
-      Graph graph;
+      Graph own;
+      Graph& graph = begin != nullptr ? begin->graph : own;
       typename Group::State s;
-      group_.begin(Slots(graph, program_), s);
+      if (begin != nullptr) {
+        group_.begin(GivenValues(slots(graph), *begin), s);
+      } else {
+        group_.begin(slots(graph), s);
+      }
       keep(graph, s);
       for (std::uint32_t i = 0; i < kAt.n; ++i) graph.store(work(kAt.weight(i)), s.weight[i]);
       out.phases.push_back(graph.phase());
@@ -72,7 +99,7 @@ class Writer {
     {
       Graph graph;
       typename Group::State s = recall(graph);
-      group_.iterate(Slots(graph, program_), s);
+      group_.iterate(slots(graph), s);
       keep(graph, s);
       out.phases.push_back(graph.phase());
       out.phases.back().repeat_while = work(kAt.active());
@@ -82,24 +109,26 @@ class Writer {
     typename Group::Figures figures;
     Value rate[N], acceleration[N];
     const int derivatives = group_class_.derivatives;
-    group_.finish(Slots(graph, program_), derivatives, reads, s, rate, acceleration, figures);
+    group_.finish(slots(graph), derivatives, reads, s, rate, acceleration, figures);
     for (std::uint32_t j = 0; j < kAt.n; ++j) {
-      graph.store({Memory::unknowns, j}, s.x[j]);
-      if (derivatives > 0) graph.store({Memory::rates, j}, rate[j]);
-      if (derivatives > 1) graph.store({Memory::accelerations, j}, acceleration[j]);
+      graph.store(slot({Memory::unknowns, j}), s.x[j]);
+      if (derivatives > 0) graph.store(slot({Memory::rates, j}), rate[j]);
+      if (derivatives > 1) graph.store(slot({Memory::accelerations, j}), acceleration[j]);
     }
-    graph.store(slot_of(GroupFigure::failed), s.failed);
-    graph.store(slot_of(GroupFigure::position), s.relative);
-    graph.store(slot_of(GroupFigure::velocity), figures.velocity);
-    graph.store(slot_of(GroupFigure::acceleration), figures.acceleration);
-    graph.store(slot_of(GroupFigure::ball_used), figures.ball_used);
-    graph.store(slot_of(GroupFigure::needs_anchor), figures.needs_anchor);
+    graph.store(slot(slot_of(GroupFigure::failed)), s.failed);
+    graph.store(slot(slot_of(GroupFigure::position)), s.relative);
+    graph.store(slot(slot_of(GroupFigure::velocity)), figures.velocity);
+    graph.store(slot(slot_of(GroupFigure::acceleration)), figures.acceleration);
+    graph.store(slot(slot_of(GroupFigure::ball_used)), figures.ball_used);
+    graph.store(slot(slot_of(GroupFigure::needs_anchor)), figures.needs_anchor);
     out.phases.push_back(graph.phase());
     return out;
   }
 
  private:
-  static Slot work(std::uint32_t index) { return {Memory::work, index}; }
+  [[nodiscard]] Slot slot(Slot of) const { return Slots::of_group(of, number_); }
+  [[nodiscard]] Slot work(std::uint32_t index) const { return slot({Memory::work, index}); }
+  [[nodiscard]] Slots slots(Graph& graph) const { return {graph, program_, number_}; }
   void keep(Graph& graph, const typename Group::State& s) const {
     for (std::uint32_t i = 0; i < kAt.n; ++i) {
       graph.store(work(kAt.unknown(i)), s.x[i]);
@@ -107,37 +136,40 @@ class Writer {
     }
     graph.store(work(kAt.relative()), s.relative);
     graph.store(work(kAt.active()), s.active);
-    graph.store(slot_of(GroupFigure::failed), s.failed);
-    graph.store(slot_of(GroupFigure::iterations), s.iterations);
+    graph.store(slot(slot_of(GroupFigure::failed)), s.failed);
+    graph.store(slot(slot_of(GroupFigure::iterations)), s.iterations);
   }
   // What earlier phases kept. Equations read their inputs again, which takes hardly more than reading what they made of
   // them: unused results are not written.
   [[nodiscard]] typename Group::State recall(Graph& graph) {
-    const Slots slots(graph, program_);
-    group_.equations().set_inputs(slots);
+    const Slots of = slots(graph);
+    group_.equations().set_inputs(of);
     typename Group::State s;
     for (std::uint32_t i = 0; i < kAt.n; ++i) {
-      s.x[i] = slots.load(Memory::work, kAt.unknown(i));
-      s.phi[i] = slots.load(Memory::work, kAt.residual(i));
-      s.weight[i] = slots.load(Memory::work, kAt.weight(i));
+      s.x[i] = of.load(Memory::work, kAt.unknown(i));
+      s.phi[i] = of.load(Memory::work, kAt.residual(i));
+      s.weight[i] = of.load(Memory::work, kAt.weight(i));
     }
-    s.relative = slots.load(Memory::work, kAt.relative());
-    s.active = slots.load(Memory::work, kAt.active());
-    s.failed = graph.load(slot_of(GroupFigure::failed));
-    s.iterations = graph.load(slot_of(GroupFigure::iterations));
+    s.relative = of.load(Memory::work, kAt.relative());
+    s.active = of.load(Memory::work, kAt.active());
+    s.failed = graph.load(slot(slot_of(GroupFigure::failed)));
+    s.iterations = graph.load(slot(slot_of(GroupFigure::iterations)));
     return s;
   }
 
   static constexpr Layout kAt{N};
+  std::uint16_t number_;
   const GroupClass& group_class_;
   const Program& program_;
   Group group_;
 };
 
 template <int N>
-GroupProgram write(const GroupClass& group_class, const Program& equations, std::span<const std::int32_t> reads) {
+GroupProgram write(const GroupClass& group_class, const Program& equations, std::span<const std::int32_t> reads,
+                   const GroupBegin* begin) {
   const auto make = [&]<class E>(std::type_identity<E>, const auto&... arguments) {
-    return GroupProgram{Writer<N, E>(arguments...).write(reads), Layout{N}.size()};
+    const std::uint16_t number = begin != nullptr ? begin->group : std::uint16_t{0};
+    return GroupProgram{Writer<N, E>(number, arguments...).write(reads, begin), Layout{N}.size()};
   };
   return HWY_NAMESPACE::with_equations<Value, N>(group_class, equations, make);
 }
@@ -150,8 +182,10 @@ bool has_group_step(const GroupClass& c) {
 
 std::size_t pivots_of_group_step(const GroupClass& c) { return idx(c.n * (c.n - 1) / 2); }
 
-GroupProgram group_step(const GroupClass& group_class, const Program& equations, std::span<const std::int32_t> reads) {
-  return equations.n == 2 ? write<2>(group_class, equations, reads) : write<3>(group_class, equations, reads);
+GroupProgram group_step(const GroupClass& group_class, const Program& equations, std::span<const std::int32_t> reads,
+                        const GroupBegin* begin) {
+  return equations.n == 2 ? write<2>(group_class, equations, reads, begin)
+                          : write<3>(group_class, equations, reads, begin);
 }
 
 }  // namespace assur

@@ -7,17 +7,17 @@
 
 #include "assur/structure.hpp"
 #include "equations/program.hpp"
+#include "program/graph.hpp"
 #include "program/step_program.hpp"
 
 namespace assur {
 
-// Bounds in Memory::settings.
+// Bounds in Memory::settings, the same for all lanes.
 enum class GroupSetting : std::uint32_t {
   converged_at,     // relative residual at which the equations count as solved
   most_iterations,  // of Newton's method
-  ball_used,        // before the step
 };
-inline constexpr std::size_t kGroupSettings = 3;
+inline constexpr std::size_t kGroupSettings = 2;
 
 // What each lane tells in Memory::figures.
 enum class GroupFigure : std::uint32_t {
@@ -31,7 +31,9 @@ enum class GroupFigure : std::uint32_t {
 };
 inline constexpr std::size_t kGroupFigures = 7;
 
-[[nodiscard]] constexpr Slot slot_of(GroupSetting s) { return {Memory::settings, static_cast<std::uint32_t>(s)}; }
+[[nodiscard]] constexpr Slot slot_of(GroupSetting s) {
+  return {Memory::settings, static_cast<std::uint32_t>(s), Reach::one};
+}
 [[nodiscard]] constexpr Slot slot_of(GroupFigure f) { return {Memory::figures, static_cast<std::uint32_t>(f)}; }
 
 // A step program, and how many numbers it keeps in Memory::work.
@@ -45,10 +47,18 @@ struct GroupProgram {
 // Numbers in Memory::pivots.
 [[nodiscard]] std::size_t pivots_of_group_step(const GroupClass& group_class);
 
+// The begin of the step within a larger program.
+struct GroupBegin {
+  Graph& graph;               // the first phase is added to it
+  std::uint16_t group;        // of all slots
+  std::span<Value> inputs;    // constants: read from Memory::inputs, as they are in later phases
+  std::span<Value> unknowns;  // predicted
+};
+
 // For a class that has_group_step(). reads: coordinates of the branch test, as registers of `equations`.
 // Memory::unknowns holds the prediction, and the solution where the step does not fail. Rows k and i > k are swapped
-// before column k is eliminated where the pivot of this pair is positive.
+// before column k is eliminated where the pivot of this pair is positive. begin: null for a step by itself
 [[nodiscard]] GroupProgram group_step(const GroupClass& group_class, const Program& equations,
-                                      std::span<const std::int32_t> reads);
+                                      std::span<const std::int32_t> reads, const GroupBegin* begin = nullptr);
 
 }  // namespace assur

@@ -1,6 +1,7 @@
 #include "program/mechanism_step.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 #include <utility>
 
@@ -27,17 +28,23 @@ class Writer {
   }
 
   [[nodiscard]] MechanismStep write() {
-    out_.program.phases.push_back(driven());
     for (std::size_t g = 0; g < of_.groups.size(); ++g) {
-      out_.program.phases.push_back(inputs(g));
-      out_.program.phases.push_back(prediction(g));
-      const MechanismOutline::Groups& groups = of_.groups[g];
-      GroupProgram step = group_step(groups.group_class, groups.equations, groups.reads);
-      out_.work = std::max(out_.work, step.work);
-      for (Phase& phase : step.program.phases) {
-        assign(phase, static_cast<std::uint16_t>(g));
-        out_.program.phases.push_back(std::move(phase));
+      Graph graph;
+      if (g == 0) {
+        drive(graph);
+        if (reads_driven_apart(g)) {  // which must be stored first
+          out_.program.phases.push_back(graph.phase());
+          driven_.clear();
+          graph = {};
+        }
       }
+      const MechanismOutline::Groups& groups = of_.groups[g];
+      std::vector<Value> inputs = find_inputs(graph, g), unknowns = predict(graph, g);
+      const GroupBegin begin{graph, static_cast<std::uint16_t>(g), inputs, unknowns};
+      GroupProgram step = group_step(groups.group_class, groups.equations, groups.reads, &begin);
+      out_.work = std::max(out_.work, step.work);
+      std::move(step.program.phases.begin(), step.program.phases.end(), std::back_inserter(out_.program.phases));
+      driven_.clear();
     }
     out_.program.phases.push_back(figures());
     return std::move(out_);
@@ -47,9 +54,7 @@ class Writer {
   [[nodiscard]] std::span<const std::int32_t> addresses(std::size_t group, std::int32_t input) const {
     return of_.groups[group].inputs.subspan(idx(input) * w_, w_);
   }
-  static Slot one(Memory memory, std::int32_t index) {
-    return {memory, static_cast<std::uint32_t>(index), Reach::one};
-  }
+  static Slot one(Memory memory, std::int32_t index) { return {memory, static_cast<std::uint32_t>(index), Reach::one}; }
   static bool moves(const MechanismOutline::Groups& groups, std::int32_t input) {
     return groups.group_class.input_moves[idx(input)] != 0;
   }
@@ -78,7 +83,9 @@ class Writer {
       for (const std::int32_t a : lanes) {
         const auto s = sum_at_.find(a);
         if (s == sum_at_.end() || readers[a] != 1) return;
-        const auto same = [](const DrivenOutline::Term& x, const DrivenOutline::Term& y) { return x.address == y.address; };
+        const auto same = [](const DrivenOutline::Term& x, const DrivenOutline::Term& y) {
+          return x.address == y.address;
+        };
         if (!std::equal(like.begin(), like.end(), s->second->terms.begin(), s->second->terms.end(), same)) return;
       }
       rows_.push_back(row);
@@ -88,10 +95,9 @@ class Writer {
 
   // ---- driven coordinates
 
-  [[nodiscard]] Phase driven() {
-    Graph graph;
+  void drive(Graph& graph) {
     const DrivenOutline& d = of_.driven;
-    std::map<std::int32_t, Jet<Value>> of_slot, of_address;
+    std::map<std::int32_t, Jet<Value>> of_slot;
     const auto law = [&](std::int32_t slot) {
       return Jet<Value>{graph.load(one(kLaws[0], slot)), graph.load(one(kLaws[1], slot)),
                         graph.load(one(kLaws[2], slot))};
@@ -110,7 +116,7 @@ class Writer {
       for (std::int32_t k = 0; k < 9; ++k) of_slot[result + k] = r[k];
     }
     const auto put = [&](std::int32_t address, const Jet<Value>& at) {
-      of_address[address] = at;
+      driven_[address] = at;
       for (std::size_t k = 0; k < 3; ++k) graph.store(one(kState[k], address), at.*kParts[k]);
     };
     for (const DrivenOutline::Copy& c : d.copies) put(c.address, c.slot < d.laws ? law(c.slot) : of_slot.at(c.slot));
@@ -119,22 +125,20 @@ class Writer {
       Jet<Value> total;
       for (const DrivenOutline::Term& t : s.terms) {
         const Value factor = graph.load(one(Memory::factors, add_factor(t.factor)));
-        const auto known = of_address.find(t.address);
-        const Jet<Value> at = known != of_address.end() ? known->second : state(graph, t.address);
+        const Jet<Value> at = state(graph, t.address);
         for (const auto part : kParts) total.*part = total.*part + factor * (at.*part);
       }
       put(s.address, total);
     }
-    // NaN if a law is not defined
-    Value poison = Value::set(0);
+    Value sum = Value::set(0);
     for (std::int32_t slot = 0; slot < d.laws; ++slot) {
-      const Jet<Value> at = law(slot);
-      for (const auto part : kParts) poison = poison + (at.*part - at.*part);
+      for (const auto part : kParts) sum = sum + law(slot).*part;
     }
-    graph.store(undefined(), poison);
-    return graph.phase();
+    graph.store(undefined(), sum - sum);
   }
-  [[nodiscard]] static Jet<Value> state(Graph& graph, std::int32_t address) {
+  // The same number for all lanes.
+  [[nodiscard]] Jet<Value> state(Graph& graph, std::int32_t address) const {
+    if (const auto driven = driven_.find(address); driven != driven_.end()) return driven->second;
     return {graph.load(one(kState[0], address)), graph.load(one(kState[1], address)),
             graph.load(one(kState[2], address))};
   }
@@ -145,26 +149,26 @@ class Writer {
 
   // ---- groups
 
-  // Those that move.
-  [[nodiscard]] Phase inputs(std::size_t group) {
-    Graph graph;
+  // Their values, where they move; all derivatives are stored for later phases.
+  [[nodiscard]] std::vector<Value> find_inputs(Graph& graph, std::size_t group) {
     const MechanismOutline::Groups& groups = of_.groups[group];
-    const auto g = static_cast<std::uint16_t>(group);
+    std::vector<Value> values(idx(groups.group_class.inputs));
     for (std::int32_t i = 0; i < groups.group_class.inputs; ++i) {
       if (!moves(groups, i)) continue;
       const Jet<Value> input = std::find(rows_.begin(), rows_.end(), std::pair(group, i)) != rows_.end()
                                    ? row_of_sums(graph, group, i)
                                    : gathered(graph, addresses(group, i));
+      values[idx(i)] = input.value;
       for (std::size_t d = 0; d <= idx(groups.group_class.derivatives); ++d) {
-        graph.store({kInputs[d], static_cast<std::uint32_t>(i), Reach::row, g}, input.*kParts[d]);
+        graph.store({kInputs[d], static_cast<std::uint32_t>(i), Reach::row, static_cast<std::uint16_t>(group)},
+                    input.*kParts[d]);
       }
     }
-    return graph.phase();
+    return values;
   }
-  // Of the unknowns.
-  [[nodiscard]] Phase prediction(std::size_t group) const {
-    Graph graph;
+  [[nodiscard]] std::vector<Value> predict(Graph& graph, std::size_t group) const {
     const MechanismOutline::Groups& groups = of_.groups[group];
+    std::vector<Value> unknowns;
     for (std::uint32_t j = 0; j < static_cast<std::uint32_t>(groups.group_class.n); ++j) {
       Value sum = Value::set(0);
       for (std::uint32_t k = 0; k < of_.weights; ++k) {
@@ -173,17 +177,28 @@ class Writer {
                         graph.load({memory, groups.unknowns + j * static_cast<std::uint32_t>(w_), Reach::from}));
       }
       graph.store({Memory::unknowns, j, Reach::row, static_cast<std::uint16_t>(group)}, sum);
+      unknowns.push_back(sum);
     }
-    return graph.phase();
+    return unknowns;
   }
 
+  // True if the addresses of the lanes follow each other at this distance.
+  [[nodiscard]] static bool are_apart(std::span<const std::int32_t> lanes, std::int32_t by) {
+    return std::adjacent_find(lanes.begin(), lanes.end(), [&](auto a, auto b) { return b != a + by; }) == lanes.end();
+  }
+  // True if lanes read different driven coordinates.
+  [[nodiscard]] bool reads_driven_apart(std::size_t group) const {
+    for (std::int32_t i = 0; i < of_.groups[group].group_class.inputs; ++i) {
+      const std::span<const std::int32_t> from = addresses(group, i);
+      const auto is_driven = [&](std::int32_t a) { return driven_.count(a) != 0; };
+      if (!are_apart(from, 0) && std::any_of(from.begin(), from.end(), is_driven)) return true;
+    }
+    return false;
+  }
   [[nodiscard]] Jet<Value> gathered(Graph& graph, std::span<const std::int32_t> from) {
-    const auto apart = [&](std::int32_t by) {
-      return std::adjacent_find(from.begin(), from.end(), [&](auto a, auto b) { return b != a + by; }) == from.end();
-    };
-    if (apart(0)) return state(graph, from[0]);
+    if (are_apart(from, 0)) return state(graph, from[0]);
     Slot slot{Memory::state, static_cast<std::uint32_t>(from[0]), Reach::from};
-    if (!apart(1)) slot = {Memory::state, add_addresses(from), Reach::scattered};
+    if (!are_apart(from, 1)) slot = {Memory::state, add_addresses(from), Reach::scattered};
     Jet<Value> out;
     for (std::size_t k = 0; k < 3; ++k) {
       slot.memory = kState[k];
@@ -217,13 +232,6 @@ class Writer {
     return static_cast<std::uint32_t>(begin);
   }
 
-  // The numbers of a group_step() are those of this group.
-  static void assign(Phase& phase, std::uint16_t group) {
-    for (Instruction& n : phase.code) n.slot.group = group;
-    for (Phase::Store& s : phase.stores) s.to.group = group;
-    if (phase.repeat_while) phase.repeat_while->group = group;
-  }
-
   // ---- figures
 
   // Behind the last group.
@@ -234,7 +242,7 @@ class Writer {
   [[nodiscard]] Slot figure(MechanismFigure f) const {
     return figure(of_.groups.size(), static_cast<std::uint32_t>(f));
   }
-  // One number, so that the phase of the driven coordinates stores nothing else.
+  // A single number.
   [[nodiscard]] Slot undefined() const {
     Slot slot = figure(MechanismFigure::undefined);
     slot.index *= static_cast<std::uint32_t>(w_);
@@ -244,7 +252,7 @@ class Writer {
   [[nodiscard]] Phase figures() const {
     Graph graph;
     Value failed = graph.load(undefined());
-    Value position = Value::set(0), velocity = position, acceleration = position, needs_anchor = position;
+    Value position = Value::set(0), needs_anchor = position, velocity = Value::set(-1), acceleration = velocity;
     for (std::size_t g = 0; g < of_.groups.size(); ++g) {
       const auto of = [&](GroupFigure f) { return graph.load(figure(g, static_cast<std::uint32_t>(f))); };
       failed = failed + of(GroupFigure::failed);
@@ -264,6 +272,7 @@ class Writer {
   const MechanismOutline& of_;
   std::size_t w_;
   MechanismStep out_;
+  std::map<std::int32_t, Jet<Value>> driven_;               // by address, in the first phase
   std::map<std::int32_t, const Sum*> sum_at_;               // address
   std::vector<std::pair<std::size_t, std::int32_t>> rows_;  // group, input
   std::vector<std::int32_t> in_rows_;                       // addresses of sums

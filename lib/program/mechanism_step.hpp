@@ -56,8 +56,8 @@ struct MechanismOutline {
   std::vector<Groups> groups;  // in solving order
 };
 
-// Figures of the whole step. The memory of the group behind the last one begins with the figures of all groups, then has
-// these.
+// Figures of the whole step. The memory of the group behind the last one begins with the figures of all groups, then
+// has these.
 enum class MechanismFigure : std::uint32_t {
   failed,  // these five as GroupFigure, over all groups
   position,
@@ -74,8 +74,8 @@ struct MechanismStep {
   std::vector<double> factors;  // Memory::factors
 };
 
-// For groups that all have a group_step(). Inputs that never move are not written: they must be in Memory::inputs. A lane
-// fails as well if a law is not defined.
+// For groups that all have a group_step(). Inputs that never move are not written: they must be in Memory::inputs. A
+// lane fails as well if a law is not defined.
 [[nodiscard]] MechanismStep mechanism_step(const MechanismOutline& outline);
 
 }  // namespace assur

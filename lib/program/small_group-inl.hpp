@@ -31,7 +31,7 @@ namespace assur::HWY_NAMESPACE {
 // of a pack, by
 //   L coefficient(i)               of the equations, also zero_coefficient() and one_coefficient()
 //   L input(d, i), unknown(j)      d-th derivative of an input; predicted unknown
-//   L pivot(k), anchor(k), omega() see Memory
+//   L pivot(k), anchor(k), omega(), ball_used()  see Memory
 //   L setting(GroupSetting)
 template <class L, int N, class Equations>
 class SmallGroup {
@@ -86,7 +86,7 @@ class SmallGroup {
     multiply(phi, s.weight, ratio);
 
     const L relative = largest_of(ratio), iterations = s.iterations + one;
-    const L largest_first = L::set(largest_first_correction(0)) * (one - in.setting(GroupSetting::ball_used));
+    const L largest_first = L::set(largest_first_correction(0)) * (one - in.ball_used());
     const L is_near = if_at_most(part_of_ball(in, by), largest_first, failed, one);
     failed = if_at_most(s.iterations, zero, is_near, failed);
     failed = if_at_most(failed + (relative - relative), zero, zero, one);  // also if it is not finite
@@ -119,7 +119,7 @@ class SmallGroup {
   template <class Source>
   HWY_INLINE void finish(const Source& in, int derivatives, std::span<const std::int32_t> reads, State& s, Column& rate,
                          Column& acceleration, Figures& figures) {
-    figures.velocity = figures.acceleration = L::set(0);
+    figures.velocity = figures.acceleration = L::set(-1);  // not computed
     if (derivatives > 0) {
       typename Equations::Values u;
       Matrix jacobian;
@@ -140,15 +140,14 @@ class SmallGroup {
         s.failed = s.failed + (figures.acceleration - figures.acceleration);
       }
     }
-    L moved = L::set(0), poison = moved;
+    L moved = L::set(0), sum = moved;
     for (std::size_t k = 0; k < reads.size(); ++k) {
       const L at = reads[k] < N ? s.x[reads[k]] : equations_.input(reads[k] - N);
-      include(at - in.anchor(k), moved, poison);
+      include(at - in.anchor(k), moved, sum);
     }
-    figures.ball_used = times_omega(in, moved) + poison;
+    figures.ball_used = times_omega(in, moved) + (sum - sum);
     // ball_lasts()
-    const L zero = L::set(0), one = L::set(1),
-            more = max(figures.ball_used - in.setting(GroupSetting::ball_used), zero);
+    const L zero = L::set(0), one = L::set(1), more = max(figures.ball_used - in.ball_used(), zero);
     figures.needs_anchor = if_at_most(figures.ball_used + (more + more), L::set(kBall), zero, one);
     s.failed = if_at_most(s.failed, zero, zero, one);
     for (int j = 0; j < N; ++j) s.x[j] = if_at_most(s.failed, zero, s.x[j], in.unknown(j));
@@ -162,15 +161,15 @@ class SmallGroup {
   static HWY_INLINE void multiply(const Column& a, const Column& b, Column& out) {
     for (int i = 0; i < N; ++i) out[i] = a[i] * b[i];
   }
-  // poison: NaN if a number is not finite, else 0. The comparisons of a maximum would lose it.
-  static HWY_INLINE void include(const L& number, L& largest, L& poison) {
+  // sum - sum is NaN if a number is not finite, else 0. The comparisons of a maximum would lose it.
+  static HWY_INLINE void include(const L& number, L& largest, L& sum) {
     largest = max(abs(number), largest);
-    poison = poison + (number - number);
+    sum = sum + number;
   }
   static HWY_INLINE L largest_of(const Column& numbers) {
-    L largest = L::set(0), poison = largest;
-    for (int i = 0; i < N; ++i) include(numbers[i], largest, poison);
-    return largest + poison;
+    L largest = L::set(0), sum = largest;
+    for (int i = 0; i < N; ++i) include(numbers[i], largest, sum);
+    return largest + (sum - sum);
   }
   // 0 if all numbers are at most the bound, else 1, also for NaN.
   static HWY_INLINE L is_open(const Column& numbers, const L& bound) {
@@ -185,9 +184,9 @@ class SmallGroup {
   }
   template <class Source>
   static HWY_INLINE L part_of_ball(const Source& in, const Column& by) {
-    L largest = L::set(0), poison = largest;
-    for (int i = 0; i < N; ++i) include(by[i], largest, poison);
-    return times_omega(in, largest) + poison;
+    L largest = L::set(0), sum = largest;
+    for (int i = 0; i < N; ++i) include(by[i], largest, sum);
+    return times_omega(in, largest) + (sum - sum);
   }
   // Maximum norm.
   static HWY_INLINE L norm_of(const Matrix& matrix) {
@@ -202,16 +201,16 @@ class SmallGroup {
   // |b - J x| / (|J| |x| + |b|) in maximum norms.
   static HWY_INLINE L residual(const Matrix& jacobian, const L& norm, const Column& x, const Column& b) {
     const L zero = L::set(0);
-    L left = zero, poison = zero, norm_x = zero, size = zero;
+    L left = zero, sum = zero, norm_x = zero, size = zero;
     for (int i = 0; i < N; ++i) {
       L rest = b[i];
       for (int j = 0; j < N; ++j) rest.subtract_product(jacobian[i][j], x[j]);
-      include(rest, left, poison);
+      include(rest, left, sum);
       norm_x = max(abs(x[i]), norm_x);
       size = max(abs(b[i]), size);
     }
     size.add_product(norm, norm_x);
-    return (left + poison) / if_at_most(size, zero, L::set(1), size);
+    return (left + (sum - sum)) / if_at_most(size, zero, L::set(1), size);
   }
 
   Equations equations_;

@@ -1,5 +1,6 @@
-// The step of a group, or of a mechanism, as data: phases of operations on values in single assignment, without control flow, pointers or
-// widths. Every lane computes and decides for itself, so its bits depend neither on the executor nor on its neighbours.
+// The step of a group, or of a mechanism, as data: phases of operations on values in single assignment, without control
+// flow, pointers or widths. Every lane computes and decides for itself, so its bits depend neither on the executor nor
+// on its neighbours.
 #pragma once
 
 #include <array>
@@ -61,12 +62,13 @@ enum class Memory : std::uint8_t {
   unknowns,  // predicted, and at the end solved
   rates,
   accelerations,
-  pivots,    // order of rows
-  anchor,    // coordinates at the centre of the ball
-  omega,     // of the ball
-  settings,  // bounds
-  work,      // from phase to phase
-  figures,   // what the step tells about itself
+  pivots,     // order of rows
+  anchor,     // coordinates at the centre of the ball
+  omega,      // of the ball
+  ball_used,  // part of it, before the step
+  settings,   // bounds
+  work,       // from phase to phase
+  figures,    // what the step tells about itself
   // of a mechanism
   state,  // coordinates at the end of the step, by address
   state_rates,
@@ -78,6 +80,7 @@ enum class Memory : std::uint8_t {
   cosines,
   factors,  // of sums
   weights,  // of the prediction
+  outputs,  // by column
   past,     // what the weights multiply, in kMostPast memories
 };
 inline constexpr std::size_t kMostPast = 6;

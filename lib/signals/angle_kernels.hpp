@@ -4,10 +4,11 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "program/law_step.hpp"
+
 namespace assur {
 
-inline constexpr std::size_t kAngleBlock = 8;    // arrays of angles are padded to a multiple of it
-inline constexpr double kLargestAngle = 0x1p20;  // rad; larger angles are left to the C library
+inline constexpr std::size_t kAngleBlock = 8;  // arrays of angles are padded to a multiple of it
 
 // Harmonic terms of eight laws in consecutive slots: amplitude * sin(2 pi frequency t + phase).
 struct HarmonicBlock {

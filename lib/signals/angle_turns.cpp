@@ -11,9 +11,9 @@
 
 namespace assur {
 namespace {
-constexpr double kFirstSteps = 16;    // bound for a path of unknown shape: four times the chord, squared
-constexpr double kMostBow = 0.25;     // of a vector, relative to its length: the inverse of a Jacobian may grow
-constexpr double kNoise = 1e-12;      // relative to the terms of a vector: a shorter vector has no direction
+constexpr double kFirstSteps = 16;  // bound for a path of unknown shape: four times the chord, squared
+constexpr double kMostBow = 0.25;   // of a vector, relative to its length: the inverse of a Jacobian may grow
+constexpr double kNoise = 1e-12;    // relative to the terms of a vector: a shorter vector has no direction
 
 }  // namespace
 

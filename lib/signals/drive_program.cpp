@@ -1,7 +1,9 @@
 #include "signals/drive_program.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 #include "index.hpp"
 #include "scene/drive.hpp"
@@ -167,7 +169,62 @@ std::int32_t DriveProgram::slot(std::size_t input, int law) const {
   return slot_[idx(first_slot_[input]) + static_cast<std::size_t>(law)];
 }
 
+// The laws in blocks of W.
+LawOutline DriveProgram::law_outline() const {
+  LawOutline out;
+  while (idx(out.lanes) < std::min(laws_, kAngleBlock)) out.lanes *= 2;
+  const std::size_t w = idx(out.lanes);
+  for (std::size_t first = 0; first < laws_; first += w) {
+    LawOutline::Block& block = out.blocks.emplace_back();
+    const auto lanes_of = [&](const double* from) { return std::vector<double>(from, from + w); };
+    block.base = lanes_of(base_.data() + first);
+    block.angles = static_cast<int>(std::clamp(angles_, first, first + w) - first);
+    for (const HarmonicBlock& h : harmonics_) {
+      if (idx(h.slot) != first) continue;
+      block.harmonics.push_back({lanes_of(h.frequency), lanes_of(h.phase), lanes_of(h.amplitude), lanes_of(h.omega)});
+    }
+    std::vector<std::size_t> layers(w, 0);  // polynomials so far
+    for (const Polynomial& p : polynomials_) {
+      if (idx(p.slot) < first || idx(p.slot) >= first + w) continue;
+      const std::size_t lane = idx(p.slot) - first, layer = layers[lane]++, count = idx(p.end - p.begin);
+      if (layer == block.polynomials.size()) block.polynomials.emplace_back();
+      LawOutline::Polynomials& of = block.polynomials[layer];
+      of.resize(std::max(of.size(), count), std::vector<double>(w));
+      for (std::size_t k = 0; k < count; ++k) of[k][lane] = coefficients_[idx(p.begin) + k];
+    }
+  }
+  return out;
+}
+
+void DriveProgram::use(StepCode& code) {
+  if (laws_ == 0 || !others_.empty()) return;
+  const LawOutline outline = law_outline();
+  LawStep step = law_step(outline);
+  code_ = code.of(step.program, outline.lanes);
+  numbers_ = std::move(step.numbers);
+}
+
+bool DriveProgram::evaluate_by_code(double t) {
+  if (!code_ || held_laws_ > 0) return false;
+  double too_large[kAngleBlock] = {};
+  std::array<double*, kMemories> memory;  // the code reads no other
+  const auto put = [&](Memory m, double* at) { memory[static_cast<std::size_t>(m)] = at; };
+  put(Memory::settings, &t);
+  put(Memory::factors, numbers_.data());
+  put(Memory::laws, jets_[0].data());
+  put(Memory::law_rates, jets_[1].data());
+  put(Memory::law_accelerations, jets_[2].data());
+  put(Memory::sines, sines_.data());
+  put(Memory::cosines, cosines_.data());
+  put(Memory::figures, too_large);
+  code_->run(memory);
+  knows_sines_ = std::all_of(std::begin(too_large), std::end(too_large), [](double x) { return x <= 0; });
+  return true;
+}
+
 void DriveProgram::evaluate(double t) {
+  if (evaluate_by_code(t)) return;
+  knows_sines_ = false;
   const std::size_t size = base_.size();
   double *value = jets_[0].data(), *rate = jets_[1].data(), *acceleration = jets_[2].data();
   for (std::size_t i = 0; i < size; ++i) {
@@ -194,6 +251,7 @@ void DriveProgram::evaluate(double t) {
 
 void DriveProgram::replace(std::int32_t slot, const Motion& motion) {
   const double scale = scale_[idx(slot)];
+  knows_sines_ = false;
   jets_[0][idx(slot)] = motion.value * scale;
   jets_[1][idx(slot)] = motion.rate * scale;
   jets_[2][idx(slot)] = motion.acceleration * scale;
@@ -205,6 +263,7 @@ void DriveProgram::keep_expansion() {
 }
 
 void DriveProgram::expand(double seconds) {
+  knows_sines_ = false;
   for (std::size_t i = 0; i < laws_; ++i) {
     jets_[0][i] = kept_[0][i] + seconds * (kept_[1][i] + seconds / 2 * kept_[2][i]);
     jets_[1][i] = kept_[1][i] + seconds * kept_[2][i];
@@ -289,7 +348,8 @@ DrivenOutline DriveProgram::outline() const {
   for (const Sum& s : sums_) {
     DrivenOutline::Sum& to = out.sums.emplace_back();
     to.address = s.coordinate;
-    for (std::int32_t t = s.begin; t < s.end; ++t) to.terms.push_back({terms_[idx(t)].coordinate, terms_[idx(t)].factor});
+    for (std::int32_t t = s.begin; t < s.end; ++t)
+      to.terms.push_back({terms_[idx(t)].coordinate, terms_[idx(t)].factor});
   }
   return out;
 }

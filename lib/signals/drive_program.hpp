@@ -4,11 +4,14 @@
 
 #include <cmath>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "assur/status.hpp"
+#include "execute/step_code.hpp"
 #include "numbers.hpp"
+#include "program/law_step.hpp"
 #include "program/mechanism_step.hpp"
 #include "scene/system.hpp"
 #include "signals/angle_kernels.hpp"
@@ -31,7 +34,13 @@ class DriveProgram {
   // Slot of a law of System::inputs[input]; -1: the law is not needed.
   [[nodiscard]] std::int32_t slot(std::size_t input, int law) const;
   // held: the caller replaces this law after each evaluation, so that its tables and functions are not evaluated.
-  void hold(std::int32_t slot, bool held) { held_[static_cast<std::size_t>(slot)] = held; }
+  void hold(std::int32_t slot, bool held) {
+    std::uint8_t& now = held_[static_cast<std::size_t>(slot)];
+    held_laws_ += static_cast<int>(held) - now;
+    now = held ? 1 : 0;
+  }
+  // Evaluates the laws by machine code, if there is some for them.
+  void use(StepCode& code);
 
   // Evaluates all laws at time t.
   void evaluate(double t);
@@ -68,7 +77,10 @@ class DriveProgram {
   }
   // The same as a program for mechanism_step(), which reads jets(), sines() and cosines(), after find_sines().
   [[nodiscard]] DrivenOutline outline() const;
-  void find_sines() { kernels_->sin_cos(jets_[0].data(), angles_, sines_.data(), cosines_.data()); }
+  void find_sines() {
+    if (!knows_sines_) kernels_->sin_cos(jets_[0].data(), angles_, sines_.data(), cosines_.data());
+    knows_sines_ = true;
+  }
   [[nodiscard]] double* jets(std::size_t d) { return jets_[d].data(); }
   [[nodiscard]] double* sines() { return sines_.data(); }
   [[nodiscard]] double* cosines() { return cosines_.data(); }
@@ -115,6 +127,8 @@ class DriveProgram {
     double factor;
   };
   void turn();
+  [[nodiscard]] LawOutline law_outline() const;
+  [[nodiscard]] bool evaluate_by_code(double t);
   [[nodiscard]] static double bow_of_function(const Law::Function& law, Other& of, double from, double to);
   void add_slots(const System& system, const Driven& driven, bool angles);
   void add_law(std::int32_t slot, const Law& law);
@@ -137,6 +151,10 @@ class DriveProgram {
   std::vector<double> kept_[3];          // laws, see keep_expansion()
   std::vector<double> sines_, cosines_;  // angles, padded
   std::vector<std::uint8_t> held_;       // laws
+  int held_laws_ = 0;
+  bool knows_sines_ = false;              // sines_ and cosines_ are those of the values at hand
+  std::shared_ptr<const Executor> code_;  // null: there is none
+  std::vector<double> numbers_;           // that it reads
   std::vector<HarmonicBlock> harmonics_;
   std::vector<Polynomial> polynomials_;
   std::vector<double> coefficients_;

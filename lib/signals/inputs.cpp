@@ -27,9 +27,9 @@ Motion blend(const Motion& a, const Motion& b, double start, double end, double 
          (d * d / 2 * a.acceleration) * (r3 * s * s) + (d * d / 2 * b.acceleration) * (s3 * r * r);
 }
 
-constexpr int kLooks = 16;             // samples of a lever along its way
-constexpr double kHidden = 0x1p-20;    // a smaller bow hides nothing; typical lengths are 1
-constexpr int kBisections = 40;        // in the search for its minimum
+constexpr int kLooks = 16;           // samples of a lever along its way
+constexpr double kHidden = 0x1p-20;  // a smaller bow hides nothing; typical lengths are 1
+constexpr int kBisections = 40;      // in the search for its minimum
 
 bool reaches_zero(const Motion& from, const Motion& to, double seconds) {
   const double h = std::abs(seconds);

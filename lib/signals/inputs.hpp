@@ -44,6 +44,9 @@ class Inputs {
   // From now on, evaluates only drivers that marked coordinates depend on.
   void keep(std::vector<std::uint8_t> needed) { compile(driven_behind(system_, std::move(needed))); }
 
+  // Evaluates the laws by machine code, if there is some for them; after keep().
+  void use(StepCode& code) { program_.use(code); }
+
   // Writes the known coordinates at time t; state[d]: d-th derivative, indexed by coordinate.
   [[nodiscard]] Status drive(double t, double* const (&state)[3]) {
     evaluate(t);

@@ -9,6 +9,7 @@
 
 #include "index.hpp"
 #include "numbers.hpp"
+#include "program/graph.hpp"
 #include "signals/dual.hpp"
 
 namespace assur {
@@ -28,6 +29,7 @@ std::span<const T> share(const std::vector<T>& list, std::size_t part, std::size
 
 void OutputProgram::bind(const System& s, std::span<const std::int32_t> address, const std::vector<Output>& outputs) {
   dimension_ = s.dimension;
+  code_ = nullptr;
   rows_.clear();
   row_terms_.clear();
   motions_.clear();
@@ -209,6 +211,40 @@ void OutputProgram::add_row(const Neighbours& n) {
   rows_.push_back(row);
 }
 
+// The sums of evaluate_linear() with the constants.
+StepProgram OutputProgram::linear_step() const {
+  Graph graph;
+  constexpr Memory kState[] = {Memory::state, Memory::state_rates, Memory::state_accelerations};
+  const Value zero = graph.load({Memory::factors, 0, Reach::one});  // so that no output is -0
+  const auto add = [&](const Value& sum, std::int32_t address, double factor, std::size_t d) {
+    return sum + Value::set(factor) * graph.load({kState[d], static_cast<std::uint32_t>(address), Reach::one});
+  };
+  const auto put = [&](std::int32_t column, const Value& value) {
+    if (column >= 0) graph.store({Memory::outputs, static_cast<std::uint32_t>(column), Reach::one}, value);
+  };
+  const auto begin = [&](double offset, std::size_t d) { return d > 0 || offset == 0 ? zero : Value::set(offset); };
+  for (std::size_t d = 0; d < 3; ++d) {
+    for (const Motion& m : motions_) {
+      put(m.column + static_cast<std::int32_t>(d) * m.step, add(begin(m.offset, d), m.address, m.factor, d));
+    }
+    for (const Line& l : lines_) put(l.column[d], add(begin(l.offset, d), l.address, l.factor, d));
+    for (const Sum& sum : sums_) {
+      Value total = zero;
+      for (std::int32_t t = sum.begin; t < sum.end; ++t) {
+        total = add(total, sum_terms_[idx(t)].address, sum_terms_[idx(t)].factor, d);
+      }
+      put(sum.column[d], total);
+    }
+  }
+  return {{graph.phase()}, {}};
+}
+
+bool OutputProgram::use(StepCode& code) {
+  if (motions_.empty() && lines_.empty() && sums_.empty()) return false;
+  code_ = code.of(linear_step(), 1);
+  return code_ != nullptr;
+}
+
 std::int32_t OutputProgram::add_arm(const Part& part, std::int32_t one) {
   if (part.kind == MeasureForms::Kind::absolute_angle) return part.forms_begin;
   const std::int32_t count = dimension_;
@@ -364,6 +400,17 @@ void OutputProgram::add_up(double* out, double constant) const {
 // constant: factor of the offsets.
 void OutputProgram::evaluate_linear(const double* const (&state)[3], double* out, double constant, std::size_t part,
                                     std::size_t parts) const {
+  if (code_ && constant == 1 && parts == 1) {
+    static constexpr double kZero = 0;
+    const auto at = [](const double* memory) { return const_cast<double*>(memory); };
+    std::array<double*, kMemories> memory;  // the code reads no other
+    memory[static_cast<std::size_t>(Memory::factors)] = at(&kZero);
+    memory[static_cast<std::size_t>(Memory::state)] = at(state[0]);
+    memory[static_cast<std::size_t>(Memory::state_rates)] = at(state[1]);
+    memory[static_cast<std::size_t>(Memory::state_accelerations)] = at(state[2]);
+    memory[static_cast<std::size_t>(Memory::outputs)] = out;
+    return code_->run(memory);
+  }
   if (!rows_.empty()) evaluate_rows_(share(rows_, part, parts), row_terms_.data(), state, constant, out);
   const double *const q = state[0], *const rate = state[1], *const acceleration = state[2];
   for (const Motion& m : share(motions_, part, parts)) {

@@ -3,9 +3,11 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
+#include "execute/step_code.hpp"
 #include "scene/jet.hpp"
 #include "scene/outputs.hpp"
 #include "scene/system.hpp"
@@ -128,6 +130,8 @@ class OutputProgram {
   // Evaluates outputs side by side that read neighbouring numbers of the state, as the lanes of a pack are. To be
   // called after mark(); bind() returns to one output after the other. size: of the state.
   void find_rows(std::size_t size);
+  // Instead of find_rows(): evaluates all linear outputs by machine code. False if there is none.
+  [[nodiscard]] bool use(StepCode& code);
   [[nodiscard]] std::size_t rows() const { return rows_.size(); }
 
   // Columns of signed angles, which are unwrapped along a run.
@@ -221,7 +225,9 @@ class OutputProgram {
     double factor;
   };
   void add_up(double* out, double constant) const;
+  [[nodiscard]] StepProgram linear_step() const;
 
+  std::shared_ptr<const Executor> code_;  // linear outputs; null: none
   EvaluateForms evaluate_rows_ = assur::evaluate_forms();
   int dimension_ = 2;
   std::vector<Total> totals_;

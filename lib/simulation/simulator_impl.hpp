@@ -69,7 +69,8 @@ struct Simulator::Impl {
         functions(structure, system, motion.layout().address) {
     std::vector<std::uint8_t> read(motion.layout().size, 0);
     outputs.mark(read);
-    outputs.find_rows(motion.layout().size);
+    const bool has_code = prepared.code != nullptr && motion.levels().threads() == 1;
+    if (!has_code || !outputs.use(*prepared.code)) outputs.find_rows(motion.layout().size);
     motion.keep_what_is_read(std::move(read));
     motion.follow(turns);
     row.resize(columns.size());

@@ -21,10 +21,11 @@ struct NamedExecutor {
   std::unique_ptr<Executor> executor;
 };
 
-// Interpreters for every instruction set of the processor, also those without fused products.
-inline std::vector<NamedExecutor> executors_of(const StepProgram& program) {
+// Interpreters for every instruction set of the processor, also those without fused products. only: numbers of lanes
+inline std::vector<NamedExecutor> executors_of(const StepProgram& program,
+                                               const std::vector<int>& only = {1, 2, 4, 8, 16}) {
   std::vector<NamedExecutor> all;
-  for (const int lanes : {1, 2, 4, 8, 16}) {
+  for (const int lanes : only) {
     const std::string width = ", W = " + std::to_string(lanes);
     for (std::int64_t left = hwy::SupportedTargets(); left != 0; left &= left - 1) {
       hwy::SetSupportedTargetsForTest(left & -left);

@@ -196,6 +196,48 @@ TEST(Executors, RepeatAPhaseForEachLane) {
   EXPECT_GT(alone[15], alone[1]);
 }
 
+// Each reach of a load and of a store, in two groups.
+TEST(Executors, FindNumbersByTheirReach) {
+  constexpr std::uint32_t kFrom = 3, kOne = 5, kTo = 40;
+  for (const int lanes : {1, 2, 4, 8, 16}) {
+    const auto w = static_cast<std::size_t>(lanes);
+    StepProgram program;
+    for (std::size_t l = 0; l < w; ++l) program.addresses.push_back(static_cast<std::int32_t>(l * 7 % 16));
+    for (std::size_t l = 0; l < w; ++l)
+      program.addresses.push_back(l % 3 == 2 ? -1 : static_cast<std::int32_t>(kTo + 20 - l));
+    const auto scattered = static_cast<std::uint32_t>(w);
+    Graph g;
+    const Value row = g.load({Memory::state, 1, Reach::row, 1}), from = g.load({Memory::state, kFrom, Reach::from, 1});
+    const Value one = g.load({Memory::state, kOne, Reach::one, 1});
+    const Value apart = g.load({Memory::state, 0, Reach::scattered, 1});
+    g.store({Memory::outputs, 0, Reach::row}, row + apart);
+    g.store({Memory::outputs, 17, Reach::from}, from);
+    g.store({Memory::outputs, 35, Reach::one}, one + from);
+    g.store({Memory::outputs, scattered, Reach::scattered}, apart * one);
+    program.phases.push_back(g.phase());
+    std::vector<double> given(48), taken(64);
+    for (std::size_t i = 0; i < given.size(); ++i) given[i] = 1 + static_cast<double>(i * i);
+    std::vector<double*> memory(2 * kMemories, nullptr);
+    memory[memory_of({Memory::state, 0, Reach::row, 1})] = given.data();
+    memory[memory_of({Memory::outputs})] = taken.data();
+    std::vector<double> expected(taken.size(), -1);
+    for (std::size_t l = 0; l < w; ++l) {
+      const double of_lane = given[static_cast<std::size_t>(program.addresses[l])];
+      expected[l] = given[w + l] + of_lane;
+      expected[17 + l] = given[kFrom + l];
+      const std::int32_t to = program.addresses[w + l];
+      if (to >= 0) expected[static_cast<std::size_t>(to)] = of_lane * given[kOne];
+    }
+    expected[35] = given[kOne] + given[kFrom];
+    for (const test::NamedExecutor& e : test::executors_of(program, {lanes})) {
+      SCOPED_TRACE(e.name);
+      std::fill(taken.begin(), taken.end(), -1);
+      e.executor->run(memory);
+      EXPECT_EQ(taken, expected);
+    }
+  }
+}
+
 TEST(Executors, DeclineOperationsThatTheyLack) {
   Graph g;
   g.store({Memory::work, 0}, abs(g.load({Memory::work, 1})));

@@ -62,7 +62,7 @@ struct Setting {
   [[nodiscard]] test::StepMemory memory(std::size_t first, int lanes, std::size_t work) const {
     const auto n = idx(group_class.n), inputs = idx(group_class.inputs);
     test::StepMemory m({equations.coefficients.size(), inputs, inputs, inputs, n, n, n,
-                        pivots_of_group_step(group_class), reads.size(), 1, kGroupSettings, work, kGroupFigures},
+                        pivots_of_group_step(group_class), reads.size(), 1, 1, kGroupSettings, work, kGroupFigures},
                        lanes);
     for (std::size_t l = 0; l < idx(lanes); ++l) {
       const Case& c = cases[first + l];
@@ -83,10 +83,11 @@ struct Setting {
         m({Memory::pivots, static_cast<std::uint32_t>(k)}, l) = (first + l + k) % 2 == 0 ? 1 : -1;
       }
       m({Memory::omega, 0}, l) = c.omega;
-      m(slot_of(GroupSetting::converged_at), l) = kConverged;
-      m(slot_of(GroupSetting::most_iterations), l) = 10;
-      m(slot_of(GroupSetting::ball_used), l) = 0;
+      m({Memory::ball_used, 0}, l) = 0;
     }
+    double* const settings = m.at[static_cast<std::size_t>(Memory::settings)];
+    settings[slot_of(GroupSetting::converged_at).index] = kConverged;
+    settings[slot_of(GroupSetting::most_iterations).index] = 10;
     return m;
   }
 

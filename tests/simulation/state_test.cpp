@@ -98,7 +98,9 @@ TEST(State, ForgetsOlderPostures) {
 TEST(State, ExpandsWithAllDerivativesOfTheLastPosture) {
   for (const Predictor& predictor : {Predictor{Predictor::Kind::taylor, 1}, kPast}) {
     State s = after_steps(predictor, 4);
-    s.predict(s.begin_expansion(5 * kStep), 0, s.unknowns());
+    State::Prediction prediction;
+    s.begin_expansion(5 * kStep, prediction);
+    s.predict(prediction, 0, s.unknowns());
     expect_at(s, 5 * kStep, 0);
   }
 }
@@ -112,7 +114,9 @@ TEST(State, PredictsThroughKeptPostures) {
     put(s, k * kStep);
     s.accept(k * kStep);
   }
-  s.predict(s.begin_prediction(way, 5 * kStep), 0, s.unknowns());  // continues the three postures kept in `way`
+  State::Prediction prediction;
+  s.begin_prediction(way, 5 * kStep, prediction);
+  s.predict(prediction, 0, s.unknowns());  // continues the three postures kept in `way`
   expect_at(s, 5 * kStep, 0);
 }
 
