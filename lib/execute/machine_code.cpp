@@ -107,13 +107,14 @@ class Writer {
   Writer(int lanes, int width, bool avx512, asmjit::CodeHolder& code)
       : lanes_(lanes), width_(width), avx512_(avx512), a_(&code), value_in_(avx512 ? 32 : 16, kFree) {}
 
-  // False if an operation is unknown. stack: vectors on the stack, from vectors_on_stack() of the same program.
-  [[nodiscard]] bool write(const StepProgram& program, std::size_t stack) {
+  // False if an operation is unknown.
+  [[nodiscard]] bool write(const StepProgram& program) {
     constants_at_ = a_.newLabel();
     a_.push(x86::rbp);
     a_.mov(x86::rbp, x86::rsp);
     for (const x86::Gp& r : kSaved) a_.push(r);
-    a_.sub(x86::rsp, static_cast<std::int32_t>((stack + 1) * kVector));
+    const std::size_t takes_stack = a_.offset();
+    take_stack();
     a_.and_(x86::rsp, -kVector);
     addresses_ = program.addresses.data();
     for (const Phase& phase : program.phases) memories_.push_back(memories_of(phase));
@@ -137,11 +138,10 @@ class Writer {
     for (const std::uint64_t bits : constants_) {
       for (int l = 0; l < width_; ++l) a_.embed(&bits, sizeof bits);
     }
+    a_.setOffset(takes_stack);
+    take_stack();  // now it is known how much
     return true;
   }
-
-  // After write(): the most vectors that were on the stack at once.
-  [[nodiscard]] std::size_t vectors_on_stack() const { return slots_; }
 
  private:
   static constexpr std::uint32_t kFree = UINT32_MAX;  // no value, no register, no place on the stack
@@ -150,6 +150,9 @@ class Writer {
   static constexpr x86::Gp kSaved[] = {x86::rbx, x86::r12, x86::r13, x86::r14, x86::r15};
   static constexpr x86::Gp kBases[] = {x86::rax, x86::rcx, x86::rdx, x86::rsi, x86::r8,  x86::r9, x86::r10,
                                        x86::r11, x86::rbx, x86::r12, x86::r13, x86::r14, x86::r15};
+
+  // Always the same number of bytes.
+  void take_stack() { a_.long_().sub(x86::rsp, static_cast<std::int32_t>((slots_ + 1) * kVector)); }
 
   // ---- memory
 
@@ -617,17 +620,12 @@ class MachineCode final : public Executor {
   MachineCode(int lanes, int width) : lanes_(lanes), width_(width) {}
 
   [[nodiscard]] bool compile(const StepProgram& program, bool avx512, ProtectCode protect) {
-    std::size_t stack = 0;
-    for (const bool is_last : {false, true}) {  // the first time tells how many vectors are on the stack
-      asmjit::CodeHolder code;
-      Trouble trouble;
-      if (code.init(asmjit::Environment::host()) != asmjit::kErrorOk) return false;
-      code.setErrorHandler(&trouble);
-      Writer writer(lanes_, width_, avx512, code);
-      if (!writer.write(program, stack) || trouble.any) return false;
-      stack = writer.vectors_on_stack();
-      if (is_last && !code_.take(code, protect)) return false;
-    }
+    asmjit::CodeHolder code;
+    Trouble trouble;
+    if (code.init(asmjit::Environment::host()) != asmjit::kErrorOk) return false;
+    code.setErrorHandler(&trouble);
+    Writer writer(lanes_, width_, avx512, code);
+    if (!writer.write(program) || trouble.any || !code_.take(code, protect)) return false;
     function_ = code_.function();
     return true;
   }

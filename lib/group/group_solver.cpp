@@ -140,12 +140,11 @@ bool GroupSolver::small_step(Pack& pack, double* const (&state)[3], const Attemp
   return true;
 }
 
-Status GroupSolver::finish_small_step(Pack& pack, double* const (&state)[3], const Attempt& attempt,
-                                      const SmallStepFigures& figures, Counters& counters, StepErrors& errors) {
+void GroupSolver::count_small_step(const Pack& pack, const double* of_lanes, Counters& counters) const {
   double sum = 0, most = 0;
   for (std::int32_t l = 0; l < pack.used; ++l) {
-    sum += figures.iterations[l];
-    most = std::max(most, figures.iterations[l]);
+    sum += of_lanes[l];
+    most = std::max(most, of_lanes[l]);
   }
   const auto iterations = static_cast<std::int64_t>(sum);
   counters.most_iterations = std::max(counters.most_iterations, static_cast<std::int64_t>(most));
@@ -157,6 +156,11 @@ Status GroupSolver::finish_small_step(Pack& pack, double* const (&state)[3], con
   counters.factorizations += factorizations;
   counters.factorized_unknowns += n * factorizations;
   counters.solved_unknowns += n * (iterations + used * derivatives);
+}
+
+Status GroupSolver::finish_small_step(Pack& pack, double* const (&state)[3], const Attempt& attempt,
+                                      const SmallStepFigures& figures, Counters& counters, StepErrors& errors) {
+  count_small_step(pack, figures.iterations, counters);
   const bool is_measured = figures.position > std::max(errors.position, kConverged);
   errors.position = is_measured ? std::max(errors.position, step_.residual_of(pack, state[0])) : figures.position;
   errors.velocity = figures.velocity;

@@ -66,19 +66,21 @@ void State::predict(double t) {
 void State::begin_prediction(double t, Prediction& out) {
   begin();
   const PredictionWeights& w = weights_.at(predictor_, times_, t);
-  std::int32_t count = 0;
+  const auto levels = static_cast<std::size_t>(levels_);
+  const double** source = out.sources;
+  double* weight = out.weights;
   std::size_t place = rings_[0].place(last());  // derivatives that are read lie in the same places
   for (std::size_t p = 0; p < static_cast<std::size_t>(w.postures); ++p) {
-    for (std::size_t d = 0; d < static_cast<std::size_t>(levels_); ++d) {
-      out.sources[count] = rings_[d].postures[place].data() + first_unknown_;
-      out.weights[count++] = w.weight[p][d];
+    for (std::size_t d = 0; d < levels; ++d) {
+      *source++ = rings_[d].postures[place].data() + first_unknown_;
+      *weight++ = w.weight[p][d];
     }
     if (++place == rings_[0].count) place = 0;
   }
-  out.count = count;
-  for (std::size_t i = idx(count); i < weights(); ++i) {
-    out.sources[i] = out.sources[0];
-    out.weights[i] = 0;
+  out.count = static_cast<std::int32_t>(source - out.sources);
+  for (const double* const* const end = out.sources + weights(); source < end;) {
+    *source++ = out.sources[0];
+    *weight++ = 0;
   }
 }
 

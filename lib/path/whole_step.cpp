@@ -101,24 +101,32 @@ bool WholeStep::run(double* const (&state)[3], const State::Prediction& predicti
 
 Status WholeStep::finish(double* const (&state)[3], const Attempt& attempt, Counters& counters, StepErrors& errors,
                          std::size_t& failed) {
-  const std::vector<Pack>& packs = layout_.packs;
-  Figures all = figures(packs.size());
-  all.position = std::max(all.position, errors.position);
-  all.velocity = std::max(all.velocity, errors.velocity);
-  all.acceleration = std::max(all.acceleration, errors.acceleration);
-  const bool is_usual = all.position <= kConverged && all.needs_anchor <= 0;
-  Status status;
+  std::vector<Pack>& packs = layout_.packs;
   failed = packs.size();
+  const auto solver = [&](const Pack& pack) -> GroupSolver& { return *layout_.solvers[idx(pack.group_class)]; };
+  if (const Figures all = figures(packs.size()); all.position <= kConverged && all.needs_anchor <= 0) {
+    for (std::size_t p = 0; p < packs.size(); ++p) {
+      solver(packs[p]).count_small_step(packs[p], row(p, GroupFigure::iterations), counters);
+      packs[p].keep_use(attempt.number);
+      std::copy_n(row(p, GroupFigure::ball_used), lanes_, packs[p].ball_used.begin());
+    }
+    errors.position = std::max(errors.position, all.position);
+    errors.velocity = std::max(errors.velocity, all.velocity);
+    errors.acceleration = std::max(errors.acceleration, all.acceleration);
+    return {};
+  }
+  Status status;
   for (std::size_t p = 0; p < packs.size(); ++p) {
     if (!status.ok() && packs[failed].level != packs[p].level) break;
-    const Figures of_pack = is_usual ? all : figures(p);
-    SmallStepFigures f{std::max(errors.position, of_pack.position), std::max(errors.velocity, of_pack.velocity),
-                       std::max(errors.acceleration, of_pack.acceleration)};
+    const Figures of_pack = figures(p);
+    SmallStepFigures f;
+    f.position = std::max(errors.position, of_pack.position);
+    f.velocity = std::max(errors.velocity, of_pack.velocity);
+    f.acceleration = std::max(errors.acceleration, of_pack.acceleration);
     f.iterations = row(p, GroupFigure::iterations);
     f.ball_used = row(p, GroupFigure::ball_used);
     f.balls_last = of_pack.needs_anchor <= 0;
-    GroupSolver& solver = *layout_.solvers[idx(packs[p].group_class)];
-    const Status s = solver.finish_small_step(layout_.packs[p], state, attempt, f, counters, errors);
+    const Status s = solver(packs[p]).finish_small_step(packs[p], state, attempt, f, counters, errors);
     if (s.ok() || !status.ok()) continue;
     status = s;
     failed = p;

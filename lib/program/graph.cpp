@@ -1,5 +1,6 @@
 #include "program/graph.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <optional>
@@ -127,10 +128,33 @@ Value make(Op op, Value a, Value b, Value c, Value d) {
 }
 
 Value Graph::add(const Node& node) {
-  const Key key{node.op, node.operand, node.slot, std::bit_cast<std::uint64_t>(node.number)};
-  const auto [found, is_new] = known_.try_emplace(key, static_cast<std::uint32_t>(nodes_.size()));
-  if (is_new) nodes_.push_back(node);
-  return {this, found->second, 0};
+  if (2 * nodes_.size() >= table_.size()) {
+    table_.assign(std::max<std::size_t>(2 * table_.size(), 256), 0);
+    for (std::uint32_t i = 0; i < nodes_.size(); ++i) table_[place_of(nodes_[i])] = i + 1;
+  }
+  std::uint32_t& at = table_[place_of(node)];
+  if (at == 0) {
+    nodes_.push_back(node);
+    at = static_cast<std::uint32_t>(nodes_.size());
+  }
+  return {this, at - 1, 0};
+}
+
+std::size_t Graph::place_of(const Node& node) const {
+  std::uint64_t hash = static_cast<std::uint64_t>(node.op);
+  const auto mix = [&](std::uint64_t x) { hash = (hash ^ x) * 0x9e3779b97f4a7c15; };  // Knuth's multiplicative hashing
+  for (const std::uint32_t operand : node.operand) mix(operand);
+  mix(memory_of(node.slot));
+  mix(node.slot.index * 4 + static_cast<std::uint64_t>(node.slot.reach));
+  mix(std::bit_cast<std::uint64_t>(node.number));
+  const auto is_same = [&](const Node& n) {
+    return n.op == node.op && n.operand == node.operand && n.slot == node.slot &&
+           std::bit_cast<std::uint64_t>(n.number) == std::bit_cast<std::uint64_t>(node.number);
+  };
+  const std::size_t mask = table_.size() - 1;
+  std::size_t place = (hash >> 32) & mask;
+  while (table_[place] != 0 && !is_same(nodes_[table_[place] - 1])) place = (place + 1) & mask;
+  return place;
 }
 
 Value Graph::load(Slot slot) { return add({Op::load, {}, slot, 0}); }

@@ -4,9 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <map>
 #include <optional>
-#include <tuple>
 #include <vector>
 
 #include "program/step_program.hpp"
@@ -74,16 +72,16 @@ class Graph {
     Slot slot;
     double number;
   };
-  using Key = std::tuple<Op, std::array<std::uint32_t, 4>, Slot, std::uint64_t>;
 
   [[nodiscard]] static std::optional<Value> negated(const Value& v);
   [[nodiscard]] static std::optional<Value> simplified(Op op, const Value& a, const Value& b, const Value& c,
                                                        const Value& d);
   Value add(const Node& node);
+  [[nodiscard]] std::size_t place_of(const Node& node) const;  // in the table
   [[nodiscard]] std::uint32_t node_of(const Value& value);
 
   std::vector<Node> nodes_;
-  std::map<Key, std::uint32_t> known_;
+  std::vector<std::uint32_t> table_;  // of nodes by their hash, counted from 1; 0: free. At most half of it is used
   std::vector<Phase::Store> stores_;
 };
 
