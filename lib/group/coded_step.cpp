@@ -18,7 +18,6 @@ class CodedStep final : public SmallStep {
 
   [[nodiscard]] bool run(const Pack& pack, double* const (&state)[3], int most_iterations, double converged,
                          SmallStepFigures& figures) override;
-  [[nodiscard]] bool is_code() const override { return true; }
 
  private:
   [[nodiscard]] const double* row(GroupFigure f) const {

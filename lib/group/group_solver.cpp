@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "backends/small_steps.hpp"
 #include "index.hpp"
@@ -16,18 +17,23 @@ constexpr double kSameSolution = 1e-8;  // typical lengths are 1; solutions diff
 }  // namespace
 
 GroupSolver::GroupSolver(const System& system, const Structure& structure, std::int32_t group_class,
-                         const Plan::Choice& choice, std::span<const Backend> table, StepCode* code)
+                         const Plan::Choice& choice, std::span<const Backend> table)
     : work_(system, structure.classes[idx(group_class)], structure.pattern(group_class), choice.solver.lanes),
       solver_(work_, choice, table),
       guard_(work_, solver_),
       step_(work_, solver_, guard_, choice.solver),
       probe_(system, work_, solver_, guard_.blocks()) {
-  if (has_small_steps(choice.solver)) small_step_ = make_small_step(work_, guard_.blocks(), code);
+  if (has_small_steps(choice.solver)) small_step_ = make_small_step(work_, guard_.blocks());
   is_kept_.resize(idx(work_.lanes));
   if (!small_step_) return;
   for (LaneArray& of : kept_) of.resize(work_.size());
   predicted_.resize(work_.size());
   omega_.resize(idx(work_.lanes));
+}
+
+void GroupSolver::use(StepCode& code) {
+  if (!small_step_) return;
+  if (auto coded = make_coded_step(work_, guard_.blocks(), code)) small_step_ = std::move(coded);
 }
 
 void GroupSolver::size(Pack& pack) const {

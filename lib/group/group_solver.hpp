@@ -25,9 +25,11 @@ namespace assur {
 // Solver of one class.
 class GroupSolver {
  public:
-  // code: null, or machine code for small groups. Throws Error (environment) if the backend cannot run here.
+  // Throws Error (environment) if the backend cannot run here.
   GroupSolver(const System& system, const Structure& structure, std::int32_t group_class, const Plan::Choice& choice,
-              std::span<const Backend> table, StepCode* code = nullptr);
+              std::span<const Backend> table);
+  // Takes small steps by machine code, if there is some for them, with the same bits.
+  void use(StepCode& code);
 
   [[nodiscard]] int lanes() const { return work_.lanes; }
   [[nodiscard]] const GroupClass& group_class() const { return work_.group_class; }
@@ -63,7 +65,7 @@ class GroupSolver {
     return make_together_step(work_.group_class, work_.program, guard_.blocks(), computed, lanes);
   }
   // True if a step of the whole mechanism may take the place of small steps (path/whole_step.hpp).
-  [[nodiscard]] bool has_coded_step() const { return small_step_ != nullptr && small_step_->is_code(); }
+  [[nodiscard]] bool has_small_step() const { return small_step_ != nullptr; }
   // True if small steps do what the attempt asks for.
   [[nodiscard]] bool serves(const Attempt& attempt) const {
     return attempt.iterations == 0 && (!attempt.all_rates || work_.group_class.derivatives > 0);

@@ -9,14 +9,6 @@
 
 namespace assur {
 
-std::unique_ptr<SmallStep> make_small_step(const Workspace& work, const BlockConditions& blocks, StepCode* code) {
-  if (!has_group_step(work.group_class)) return nullptr;
-  if (code != nullptr) {
-    if (auto step = make_coded_step(work, blocks, *code)) return step;
-  }
-  return make_step_kernel(work, blocks);
-}
-
 // Rows k and i > k are swapped before column k where swaps[...] is positive. Each pivot is then the largest entry of
 // its column, relative to its row.
 void choose_pivots(const Workspace& work, Pack& pack, std::span<const std::uint8_t> lanes) {

@@ -33,16 +33,13 @@ class SmallStep {
   // and the derivatives of their unknowns are unspecified. The other lanes are solved.
   [[nodiscard]] virtual bool run(const Pack& pack, double* const (&state)[3], int most_iterations, double converged,
                                  SmallStepFigures& figures) = 0;
-  [[nodiscard]] virtual bool is_code() const { return false; }
 };
 
-// For a class that has_group_step(); else null. code: null, or machine code. All must outlive the step.
-[[nodiscard]] std::unique_ptr<SmallStep> make_small_step(const Workspace& work, const BlockConditions& blocks,
-                                                         StepCode* code);
-// The parts of make_small_step(). Null: there is no machine code; this processor has no SIMD.
+// By kernels. Null for a class that has no group_step(), or if this processor has no SIMD. All must outlive the step.
+[[nodiscard]] std::unique_ptr<SmallStep> make_small_step(const Workspace& work, const BlockConditions& blocks);
+// By machine code, for a class that has a group_step(). Null if there is none.
 [[nodiscard]] std::unique_ptr<SmallStep> make_coded_step(const Workspace& work, const BlockConditions& blocks,
                                                          StepCode& code);
-[[nodiscard]] std::unique_ptr<SmallStep> make_step_kernel(const Workspace& work, const BlockConditions& blocks);
 
 // Chooses the order of the rows, which steps need, at the posture that the workspace has evaluated. lanes: 1 for each
 // lane where it is chosen; empty: in all. The first call allocates memory.

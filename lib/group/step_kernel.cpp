@@ -1,4 +1,4 @@
-// Compiled once for each SIMD target; make_step_kernel() chooses the target.
+// Compiled once for each SIMD target; make_small_step() chooses the target.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "group/step_kernel.cpp"
 #include <hwy/foreach_target.h>  // must precede the code compiled for each target
@@ -128,7 +128,8 @@ namespace assur {
 
 HWY_EXPORT(make);
 
-std::unique_ptr<SmallStep> make_step_kernel(const Workspace& work, const BlockConditions& blocks) {
+std::unique_ptr<SmallStep> make_small_step(const Workspace& work, const BlockConditions& blocks) {
+  if (!has_group_step(work.group_class)) return nullptr;
   return std::unique_ptr<SmallStep>(
       HWY_DYNAMIC_DISPATCH(make)(work.group_class, work.program, blocks.reads(0), work.lanes));
 }

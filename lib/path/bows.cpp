@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "program/step_rules.hpp"
 #include "index.hpp"
 #include "numbers.hpp"
+#include "program/step_rules.hpp"
 #include "signals/random_sign.hpp"
 
 namespace assur {

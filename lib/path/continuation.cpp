@@ -82,10 +82,15 @@ void Continuation::keep_what_is_read(std::vector<std::uint8_t> marked) {
   for (LaneArray& v : known_) v.assign(inputs_.bends() ? layout_.size : 0, 0.0);
   mechanism_.check_inputs(inputs_.evaluated());
   whole_.reset();
-  if (prepared_.code != nullptr) inputs_.use(*prepared_.code);
-  if (prepared_.code != nullptr && together_ == nullptr && levels_.threads() == 1) {
-    whole_ = WholeStep::make(layout_, inputs_.program(), state_, *prepared_.code);
-  }
+  if (prepared_.code != nullptr) use(*prepared_.code);
+}
+
+void Continuation::use(StepCode& code) {
+  inputs_.use(code);
+  const bool on_one_thread = together_ == nullptr && levels_.threads() == 1;
+  if (on_one_thread) whole_ = WholeStep::make(layout_, inputs_.program(), state_, code);
+  if (whole_) return;  // what it does not solve is rare
+  for (const auto& solver : layout_.solvers) solver->use(code);
 }
 
 void Continuation::start(double time, const std::vector<double>& posture, const Continuation* before) {

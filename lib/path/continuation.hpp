@@ -163,6 +163,7 @@ class Continuation {
   static constexpr double kSureOfBranch = 1e-3;
   static constexpr int kMostRejected = 40000;  // attempts at one step for any reason
 
+  void use(StepCode& code);
   void repeat_in_idle_lanes();
   void tell_before_dividing();
   [[nodiscard]] Status solve_at(double t, Attempt::Branch branch, StepErrors& errors);

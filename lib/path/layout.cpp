@@ -76,12 +76,13 @@ std::vector<InputRow> address_rows(const std::vector<std::int32_t>& addresses, s
   return rows;
 }
 
-std::vector<std::unique_ptr<GroupSolver>> make_solvers(const Prepared& prepared, int lanes) {
+std::vector<std::unique_ptr<GroupSolver>> make_solvers(const Prepared& prepared, int lanes, StepCode* code) {
   std::vector<std::unique_ptr<GroupSolver>> solvers;
   for (Plan::Choice choice : prepared.plan.choices) {
     if (lanes > 0) choice.solver.lanes = lanes;
     solvers.push_back(std::make_unique<GroupSolver>(*prepared.structure->system, *prepared.structure,
-                                                    choice.group_class, choice, prepared.table, prepared.code.get()));
+                                                    choice.group_class, choice, prepared.table));
+    if (code != nullptr) solvers.back()->use(*code);
   }
   return solvers;
 }
@@ -91,7 +92,7 @@ Layout lay_out(const Prepared& prepared) {
   const System& system = *structure.system;
   Layout out;
   const bool together = prepared.plan.run.together;
-  out.solvers = make_solvers(prepared, together ? 1 : 0);
+  out.solvers = make_solvers(prepared, together ? 1 : 0, nullptr);
   out.packs = fill_packs(structure, out.solvers);
 
   out.address.assign(system.coordinates.size(), -1);
@@ -145,7 +146,7 @@ Layout lay_out_side_by_side(const Prepared& prepared, int lanes) {
   const System& system = *structure.system;
   const std::size_t w = idx(lanes);
   Layout out;
-  out.solvers = make_solvers(prepared, lanes);
+  out.solvers = make_solvers(prepared, lanes, prepared.code.get());
   out.address.assign(system.coordinates.size(), -1);
   for (std::size_t c = 0; c < out.address.size(); ++c) {
     if (system.coordinates[c].role != Role::unknown) out.address[c] = static_cast<std::int32_t>(c * w);

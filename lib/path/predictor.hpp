@@ -10,7 +10,7 @@
 
 namespace assur {
 
-inline constexpr int kMostPostures = 6;           // past:5
+inline constexpr int kMostPostures = 6;         // past:5
 inline constexpr std::size_t kMostWeights = 6;  // of a prediction: of past:5, or of two postures with two derivatives
 
 struct PredictionWeights {

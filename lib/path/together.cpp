@@ -4,8 +4,8 @@
 #include <cmath>
 #include <utility>
 
-#include "program/step_rules.hpp"
 #include "index.hpp"
+#include "program/step_rules.hpp"
 
 namespace assur {
 namespace {

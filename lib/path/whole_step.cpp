@@ -21,7 +21,7 @@ std::unique_ptr<WholeStep> WholeStep::make(Layout& layout, DriveProgram& drivers
   MechanismOutline outline{solver(layout.packs[0]).lanes(), drivers.outline(), state.weights(), {}};
   for (const Pack& pack : layout.packs) {
     const GroupSolver& s = solver(pack);
-    if (!s.has_coded_step() || s.lanes() != outline.lanes) return nullptr;
+    if (!s.has_small_step() || s.lanes() != outline.lanes) return nullptr;
     outline.groups.push_back({s.group_class(), s.program(), s.blocks().reads(0), pack.inputs, pack.used,
                               static_cast<std::uint32_t>(pack.unknowns - layout.first_unknown)});
   }

@@ -19,7 +19,7 @@ namespace assur {
 
 class WholeStep {
  public:
-  // Null if there is no such code: for a group that has no coded step, for packs of several widths, or if it would be
+  // Null if there is no such code: for a group that has no small step, for packs of several widths, or if it would be
   // too long. All must outlive it, and the drivers must not change.
   [[nodiscard]] static std::unique_ptr<WholeStep> make(Layout& layout, DriveProgram& drivers, const State& state,
                                                        StepCode& code);

@@ -77,7 +77,7 @@ void expect_the_same_step(const Scene& scene, const std::string& strategy) {
     const BlockConditions blocks(group_class, solver.program(), solver.lanes());
     ASSERT_TRUE(has_group_step(group_class));
     Workspace work(*structure.system, group_class, structure.pattern(pack.group_class), solver.lanes());
-    const auto kernel = make_step_kernel(work, blocks);
+    const auto kernel = make_small_step(work, blocks);
     const auto coded = code ? make_coded_step(work, blocks, *code) : nullptr;
     ++small;
     State predicted = wanted;

@@ -1,0 +1,165 @@
+// Steps of small mechanisms are one call of machine code; what it declines is solved without it, with the same bits.
+#include "path/whole_step.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "assur/simulator.hpp"
+#include "execute/step_code.hpp"
+#include "numbers.hpp"
+#include "scene/shipped_files.hpp"
+#include "scene/system.hpp"
+#include "signals/drive_program.hpp"
+#include "simulation/same_run.hpp"
+
+namespace assur {
+namespace {
+
+// Machine code whose calls are counted: of steps of single groups, and of other programs.
+class CountingCode final : public StepCode {
+ public:
+  explicit CountingCode(std::shared_ptr<StepCode> code) : code_(std::move(code)) {}
+
+  [[nodiscard]] std::string vectors() const override { return code_->vectors(); }
+  CodeOfStep of(const GroupClass& group_class, const Program& equations, std::span<const std::int32_t> reads,
+                int lanes) override {
+    CodeOfStep out = code_->of(group_class, equations, reads, lanes);
+    if (out.executor) out.executor = std::make_shared<Counting>(out.executor, calls_of_groups);
+    return out;
+  }
+  std::shared_ptr<const Executor> of(const StepProgram& program, int lanes) override {
+    auto out = code_->of(program, lanes);
+    const bool has_groups = std::any_of(program.phases.begin(), program.phases.end(),
+                                        [](const Phase& phase) { return phase.repeat_while.has_value(); });
+    if (out && has_groups) out = std::make_shared<Counting>(out, calls_of_mechanisms);
+    return out;
+  }
+
+  int calls_of_groups = 0, calls_of_mechanisms = 0;
+
+ private:
+  class Counting final : public Executor {
+   public:
+    Counting(std::shared_ptr<const Executor> executor, int& calls) : executor_(std::move(executor)), calls_(calls) {}
+    void run(std::span<double* const> memory) const override {
+      ++calls_;
+      executor_->run(memory);
+    }
+
+   private:
+    std::shared_ptr<const Executor> executor_;
+    int& calls_;
+  };
+  std::shared_ptr<StepCode> code_;
+};
+
+class WholeStepTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!step_code()) GTEST_SKIP() << "no machine code here";
+    code_ = std::make_shared<CountingCode>(step_code());
+  }
+  Simulator simulator(const Scene& scene, const std::string& strategy, const StepLimits& limits = {}) {
+    Prepared prepared = prepare(scene, {.strategy = strategy});
+    prepared.code = code_;
+    return Simulator(std::move(prepared), limits);
+  }
+  std::shared_ptr<CountingCode> code_;
+};
+
+TEST_F(WholeStepTest, IsOneCallForASmallMechanism) {
+  const std::pair<const char*, const char*> cases[] = {
+      {"four_bar", "lanes"}, {"slider_crank", "lanes"}, {"jansen", "lanes"},   {"klann", "lanes"},
+      {"watt", "lanes"},     {"four_bar:10", "lanes"},  {"stewart", "lanes:8"}};
+  for (const auto& [name, solver] : cases) {
+    SCOPED_TRACE(std::string(name) + " " + solver);
+    const Scene scene = sample(name);
+    Simulator s = simulator(scene, std::string("irreducible/") + solver);
+    code_->calls_of_groups = code_->calls_of_mechanisms = 0;
+    for (int k = 1; k <= 50; ++k) ASSERT_TRUE(s.step(scene.time().time(k)).ok());
+    EXPECT_EQ(code_->calls_of_groups, 0);
+    EXPECT_GE(code_->calls_of_mechanisms, 50);
+  }
+}
+
+TEST_F(WholeStepTest, LeavesLongMechanismsToSingleGroups) {
+  const Scene chain = sample("four_bar:100");
+  Simulator s = simulator(chain, "irreducible/lanes");
+  for (int k = 1; k <= 5; ++k) ASSERT_TRUE(s.step(chain.time().time(k)).ok());
+  EXPECT_EQ(code_->calls_of_mechanisms, 0);
+  EXPECT_GE(code_->calls_of_groups, 500);
+}
+
+// Rows, status and counters by machine code and by kernels.
+void expect_the_same(const Scene& scene, const StepLimits& limits) {
+  PrepareOptions by_kernels{.strategy = "irreducible/lanes"}, by_code = by_kernels;
+  by_kernels.machine_code = false;
+  Simulator a(prepare(scene, by_code), limits), b(prepare(scene, by_kernels), limits);
+  const Trajectory rows = a.run(), expected = b.run();
+  ASSERT_EQ(rows.values().size(), expected.values().size());
+  for (std::size_t i = 0; i < rows.values().size(); ++i) {
+    ASSERT_TRUE(test::same_bits(rows.values()[i], expected.values()[i])) << i;
+  }
+  const Report &x = a.report(), &y = b.report();
+  EXPECT_EQ(x.status.code, y.status.code);
+  EXPECT_EQ(x.status.where, y.status.where);
+  EXPECT_EQ(x.reached, y.reached);
+  EXPECT_EQ(x.counters.steps, y.counters.steps);
+  EXPECT_EQ(x.counters.newton_iterations, y.counters.newton_iterations);
+  EXPECT_EQ(x.counters.factorizations, y.counters.factorizations);
+  EXPECT_EQ(x.counters.branch_checks, y.counters.branch_checks);
+  EXPECT_EQ(x.counters.rejected, y.counters.rejected);
+}
+
+TEST_F(WholeStepTest, LeavesWhatIsUnusualToTheGeneralPath) {
+  const Scene scene = sample("slider_crank");
+  expect_the_same(scene, {});
+  StepLimits few;
+  few.most_iterations = 1;  // many steps need two
+  expect_the_same(scene, few);
+  StepLimits fixed;
+  fixed.iterations = 3;
+  expect_the_same(scene, fixed);
+  // Its rate overflows on the way.
+  const auto overflows = [](const std::string&, const Law&) {
+    return Law::harmonics({{1, 1, 0}}) + Law::polynomial({0, 0, 0, 0, 0, 0, 0, 0, 1e305});
+  };
+  expect_the_same(scene.with_time({0, 20, 0.5}).with_laws(overflows), {});
+}
+
+// Driven coordinates by machine code and by kernels, also for angles that are too large for both.
+TEST_F(WholeStepTest, HasTheLawsOfTheKernels) {
+  for (const auto& file : test::shipped_files()) {
+    SCOPED_TRACE(file.string());
+    const Prepared prepared = prepare(read_scene(file));
+    const System& system = *prepared.structure->system;
+    DriveProgram by_kernels(system, all_driven(system)), by_code = by_kernels;
+    by_code.use(*step_code());
+    for (const double t : {0.0, 0.1, 1.7, -3.4, 1e3, 1e5, 1e9}) {
+      std::vector<double> expected[3], found[3];
+      for (auto* all : {&expected, &found}) {
+        for (std::vector<double>& v : *all) v.assign(system.coordinates.size(), 0.0);
+      }
+      by_kernels.evaluate(t);
+      by_kernels.place({expected[0].data(), expected[1].data(), expected[2].data()});
+      by_code.evaluate(t);
+      by_code.place({found[0].data(), found[1].data(), found[2].data()});
+      EXPECT_EQ(by_kernels.defined(), by_code.defined());
+      for (std::size_t d = 0; d < 3; ++d) {
+        for (std::size_t i = 0; i < expected[d].size(); ++i) {
+          const bool both_nan = std::isnan(expected[d][i]) && std::isnan(found[d][i]);
+          EXPECT_TRUE(both_nan || test::same_bits(found[d][i], expected[d][i])) << t << ", " << d << ", " << i;
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace assur
