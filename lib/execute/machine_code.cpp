@@ -7,6 +7,7 @@
 #include <bit>
 #include <cstdint>
 #include <cstdio>
+#include <map>
 #include <span>
 #include <utility>
 #include <vector>
@@ -61,17 +62,17 @@ class Uses {
       for (int k = 0; k < operands_of(n.op); ++k) of_[n.operand[static_cast<std::size_t>(k)]].push_back(2 * i);
     }
     // A store is written as early as possible, but behind the loads of its slot with their uses, and in order.
+    std::map<Slot, std::uint32_t> read, written;
+    for (std::uint32_t i = 0; i < phase.code.size(); ++i) {
+      if (phase.code[i].op == Op::load) read[phase.code[i].slot] = of_[i].empty() ? i : std::max(i, of_[i].back() / 2);
+    }
     std::vector<std::uint32_t> behind;
     for (const Phase::Store& s : phase.stores) {
       std::uint32_t at = s.value;
-      for (std::uint32_t i = 0; i < phase.code.size(); ++i) {
-        if (phase.code[i].op != Op::load || phase.code[i].slot != s.to) continue;
-        at = std::max(at, of_[i].empty() ? i : of_[i].back() / 2);
+      for (const auto* const others : {&read, &written}) {
+        if (const auto found = others->find(s.to); found != others->end()) at = std::max(at, found->second);
       }
-      for (std::size_t k = 0; k < behind.size(); ++k) {
-        if (phase.stores[k].to == s.to) at = std::max(at, behind[k]);
-      }
-      behind.push_back(at);
+      behind.push_back(written[s.to] = at);
     }
     for (std::size_t s = 0; s < behind.size(); ++s) {
       stores_[behind[s]].push_back(s);
@@ -98,10 +99,10 @@ class Uses {
   std::vector<std::vector<std::size_t>> stores_;
 };
 
-// Writes one function for all phases, over vectors of `width` lanes, of `lanes` lanes in memory: each phase for one
-// vector after the other. A value that is loaded
-// or constant is read where it is used. If registers run out, the value with the farthest next use leaves its register
-// (Belady, IBM Systems Journal 5, 1966), and is written to the stack unless it can be read again elsewhere.
+// Writes one function for all phases, each for one vector of `width` lanes after the other, of `lanes` lanes in memory.
+// A value that is loaded or constant is read where it is used. If registers run out, the value with the farthest next
+// use leaves its register (Belady, IBM Systems Journal 5, 1966), and is written to the stack unless it can be read
+// again elsewhere.
 class Writer {
  public:
   Writer(int lanes, int width, bool avx512, asmjit::CodeHolder& code)

@@ -9,8 +9,7 @@
 namespace assur {
 namespace {
 
-constexpr std::size_t kMostKept = 64;             // steps of each kind; one has 8 kB of code or more
-constexpr std::size_t kMostInstructions = 8'000;  // of a step; each takes about 0.5 us to write
+constexpr std::size_t kMostKept = 64;  // steps of each kind; one has 8 kB of code or more
 
 // The codes that were made last.
 template <class Key, class Code>

@@ -13,6 +13,9 @@
 
 namespace assur {
 
+// No code is made for longer steps; 1,000 instructions take about 0.5 ms.
+inline constexpr std::size_t kMostInstructions = 8'000;
+
 // Null: there is no code. work: numbers in Memory::work
 struct CodeOfStep {
   std::shared_ptr<const Executor> executor;

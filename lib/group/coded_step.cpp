@@ -4,6 +4,7 @@
 #include <memory>
 #include <utility>
 
+#include "group/pack_memory.hpp"
 #include "group/small_step.hpp"
 #include "index.hpp"
 #include "program/group_step.hpp"
@@ -60,15 +61,7 @@ bool CodedStep::run(const Pack& pack, double* const (&state)[3], int most_iterat
   }
   settings_[slot_of(GroupSetting::converged_at).index] = converged;
   settings_[slot_of(GroupSetting::most_iterations).index] = most_iterations;
-  const auto put = [&](Memory m, const double* from) { at(m) = const_cast<double*>(from); };
-  put(Memory::coefficients, pack.coefficients.data());
-  put(Memory::unknowns, state[0] + pack.unknowns);
-  put(Memory::rates, state[1] + pack.unknowns);
-  put(Memory::accelerations, state[2] + pack.unknowns);
-  put(Memory::pivots, pack.swaps.data());
-  put(Memory::anchor, pack.anchor.data());
-  put(Memory::omega, pack.omega.data());
-  put(Memory::ball_used, pack.ball_used.data());
+  point_to(pack, state, memory_.data());
   code_->run(memory_);
   double of_all[kGroupFigures];
   const double* largest = figures_.data();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "group/pack_memory.hpp"
 #include "index.hpp"
 #include "program/group_step.hpp"
 #include "program/step_rules.hpp"
@@ -25,7 +26,8 @@ std::unique_ptr<WholeStep> WholeStep::make(Layout& layout, DriveProgram& drivers
     outline.groups.push_back({s.group_class(), s.program(), s.blocks().reads(0), pack.inputs, pack.used,
                               static_cast<std::uint32_t>(pack.unknowns - layout.first_unknown)});
   }
-  MechanismStep step = mechanism_step(outline);
+  MechanismStep step = mechanism_step(outline, kMostInstructions);
+  if (step.program.phases.empty()) return nullptr;
   std::unique_ptr<WholeStep> out(new WholeStep(layout, drivers, outline.lanes));
   out->code_ = code.of(step.program, outline.lanes);
   if (!out->code_) return nullptr;
@@ -83,14 +85,7 @@ bool WholeStep::run(double* const (&state)[3], const State::Prediction& predicti
     to[static_cast<std::size_t>(Memory::past) + k] = const_cast<double*>(prediction.sources[k]);
   }
   for (const Pack& pack : layout_.packs) {
-    put(Memory::coefficients, pack.coefficients.data());
-    put(Memory::unknowns, state[0] + pack.unknowns);
-    put(Memory::rates, state[1] + pack.unknowns);
-    put(Memory::accelerations, state[2] + pack.unknowns);
-    put(Memory::pivots, pack.swaps.data());
-    put(Memory::anchor, pack.anchor.data());
-    put(Memory::omega, pack.omega.data());
-    put(Memory::ball_used, pack.ball_used.data());
+    point_to(pack, state, to);
     to += kMemories;
   }
   drivers_.find_sines();

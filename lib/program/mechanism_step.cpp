@@ -1,7 +1,6 @@
 #include "program/mechanism_step.hpp"
 
 #include <algorithm>
-#include <iterator>
 #include <map>
 #include <utility>
 
@@ -27,7 +26,8 @@ class Writer {
     find_rows();
   }
 
-  [[nodiscard]] MechanismStep write() {
+  [[nodiscard]] MechanismStep write(std::size_t most) {
+    std::size_t instructions = 0;
     for (std::size_t g = 0; g < of_.groups.size(); ++g) {
       Graph graph;
       if (g == 0) {
@@ -43,7 +43,11 @@ class Writer {
       const GroupBegin begin{graph, static_cast<std::uint16_t>(g), inputs, unknowns};
       GroupProgram step = group_step(groups.group_class, groups.equations, groups.reads, &begin);
       out_.work = std::max(out_.work, step.work);
-      std::move(step.program.phases.begin(), step.program.phases.end(), std::back_inserter(out_.program.phases));
+      for (Phase& phase : step.program.phases) {
+        instructions += phase.code.size();
+        out_.program.phases.push_back(std::move(phase));
+      }
+      if (instructions > most) return {};
       driven_.clear();
     }
     out_.program.phases.push_back(figures());
@@ -280,6 +284,6 @@ class Writer {
 
 }  // namespace
 
-MechanismStep mechanism_step(const MechanismOutline& outline) { return Writer(outline).write(); }
+MechanismStep mechanism_step(const MechanismOutline& outline, std::size_t most) { return Writer(outline).write(most); }
 
 }  // namespace assur

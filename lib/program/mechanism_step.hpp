@@ -74,8 +74,8 @@ struct MechanismStep {
   std::vector<double> factors;  // Memory::factors
 };
 
-// For groups that all have a group_step(). Inputs that never move are not written: they must be in Memory::inputs. A
+// For groups that all have a group_step(). Without phases if it would have more than `most` instructions. Inputs that never move are not written: they must be in Memory::inputs. A
 // lane fails as well if a law is not defined.
-[[nodiscard]] MechanismStep mechanism_step(const MechanismOutline& outline);
+[[nodiscard]] MechanismStep mechanism_step(const MechanismOutline& outline, std::size_t most);
 
 }  // namespace assur

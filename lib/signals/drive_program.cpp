@@ -197,7 +197,8 @@ LawOutline DriveProgram::law_outline() const {
 }
 
 void DriveProgram::use(StepCode& code) {
-  if (laws_ == 0 || !others_.empty()) return;
+  constexpr std::size_t kLeast = 100;  // instructions of a block with harmonics
+  if (laws_ == 0 || !others_.empty() || kLeast * harmonics_.size() > kMostInstructions) return;
   const LawOutline outline = law_outline();
   LawStep step = law_step(outline);
   code_ = code.of(step.program, outline.lanes);

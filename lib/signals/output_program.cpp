@@ -240,7 +240,8 @@ StepProgram OutputProgram::linear_step() const {
 }
 
 bool OutputProgram::use(StepCode& code) {
-  if (motions_.empty() && lines_.empty() && sums_.empty()) return false;
+  const std::size_t operations = 3 * motions_.size() + lines_.size() + sum_terms_.size();
+  if (operations == 0 || operations > kMostInstructions) return false;
   code_ = code.of(linear_step(), 1);
   return code_ != nullptr;
 }
