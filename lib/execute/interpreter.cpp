@@ -271,14 +271,36 @@ namespace assur {
 
 HWY_EXPORT(make);
 
-std::unique_ptr<Executor> make_interpreter(const StepProgram& program, int lanes) {
-  for (const Phase& p : program.phases) {
-    if (std::any_of(p.code.begin(), p.code.end(), [](const Instruction& n) { return n.op > Op::select; }))
-      return nullptr;
+namespace {
+
+// Phases of different widths.
+class Interpreters final : public Executor {
+ public:
+  explicit Interpreters(std::vector<std::unique_ptr<Executor>> parts) : parts_(std::move(parts)) {}
+  void run(std::span<double* const> memory) const override {
+    for (const auto& part : parts_) part->run(memory);
   }
-  std::unique_ptr<Executor> interpreter(HWY_DYNAMIC_DISPATCH(make)(program, lanes));
-  if (!interpreter) throw std::invalid_argument("lanes must be 1, 2, 4, 8 or 16");
-  return interpreter;
+
+ private:
+  std::vector<std::unique_ptr<Executor>> parts_;
+};
+
+}  // namespace
+
+std::unique_ptr<Executor> make_interpreter(const StepProgram& program, int lanes) {
+  std::vector<std::unique_ptr<Executor>> parts;
+  const auto width = [&](const Phase& p) { return p.lanes > 0 ? p.lanes : lanes; };
+  for (auto begin = program.phases.begin(), end = begin; begin != program.phases.end(); begin = end) {
+    end = std::find_if(begin, program.phases.end(), [&](const Phase& p) { return width(p) != width(*begin); });
+    const bool is_known = std::all_of(begin, end, [](const Phase& p) {
+      return std::none_of(p.code.begin(), p.code.end(), [](const Instruction& n) { return n.op > Op::select; });
+    });
+    if (!is_known) return nullptr;
+    const StepProgram part{{begin, end}, program.addresses};
+    parts.emplace_back(HWY_DYNAMIC_DISPATCH(make)(part, width(*begin)));
+    if (!parts.back()) throw std::invalid_argument("lanes must be 1, 2, 4, 8 or 16");
+  }
+  return std::make_unique<Interpreters>(std::move(parts));
 }
 
 }  // namespace assur

@@ -99,14 +99,14 @@ class Uses {
   std::vector<std::vector<std::size_t>> stores_;
 };
 
-// Writes one function for all phases, each for one vector of `width` lanes after the other, of `lanes` lanes in memory.
-// A value that is loaded or constant is read where it is used. If registers run out, the value with the farthest next
-// use leaves its register (Belady, IBM Systems Journal 5, 1966), and is written to the stack unless it can be read
-// again elsewhere.
+// Writes one function for all phases, each for one vector of its lanes after the other. A value that is loaded or
+// constant is read where it is used. If registers run out, the value with the farthest next use leaves its register
+// (Belady, IBM Systems Journal 5, 1966), and is written to the stack unless it can be read again elsewhere.
 class Writer {
  public:
-  Writer(int lanes, int width, bool avx512, asmjit::CodeHolder& code)
-      : lanes_(lanes), width_(width), avx512_(avx512), a_(&code), value_in_(avx512 ? 32 : 16, kFree) {}
+  // lanes: of phases that do not say it
+  Writer(int lanes, bool avx512, asmjit::CodeHolder& code)
+      : usual_lanes_(lanes), avx512_(avx512), a_(&code), value_in_(avx512 ? 32 : 16, kFree) {}
 
   // False if an operation is unknown.
   [[nodiscard]] bool write(const StepProgram& program) {
@@ -122,6 +122,8 @@ class Writer {
     based_.fill(kNoMemory);
     for (const Phase& phase : program.phases) {
       const auto number = static_cast<std::size_t>(&phase - program.phases.data());
+      lanes_ = phase.lanes > 0 ? phase.lanes : usual_lanes_;
+      width_ = std::min(lanes_, avx512_ ? 8 : 4);
       if (!load_bases(number, phase.repeat_while.has_value())) return false;
       const bool once = !phase.repeat_while && std::all_of(phase.stores.begin(), phase.stores.end(),
                                                            [](const auto& s) { return s.to.reach == Reach::one; });
@@ -137,7 +139,7 @@ class Writer {
     a_.align(asmjit::AlignMode::kData, kVector);
     a_.bind(constants_at_);
     for (const std::uint64_t bits : constants_) {
-      for (int l = 0; l < width_; ++l) a_.embed(&bits, sizeof bits);
+      for (int l = 0; l < kVector / 8; ++l) a_.embed(&bits, sizeof bits);
     }
     a_.setOffset(takes_stack);
     take_stack();  // now it is known how much
@@ -218,7 +220,7 @@ class Writer {
     const auto found = std::find(constants_.begin(), constants_.end(), bits);
     const auto at = static_cast<std::int32_t>(found - constants_.begin());
     if (found == constants_.end()) constants_.push_back(bits);
-    return x86::ptr(constants_at_, at * width_ * 8, bytes());
+    return x86::ptr(constants_at_, at * kVector, bytes());
   }
   [[nodiscard]] std::uint32_t bytes() const { return static_cast<std::uint32_t>(width_) * 8; }
   // Where a value without register is.
@@ -588,7 +590,8 @@ class Writer {
 
   static constexpr std::uint64_t kAllButSign = ~std::uint64_t{0} >> 1;
 
-  int lanes_, width_;
+  int usual_lanes_;
+  int lanes_ = 1, width_ = 1;  // of the phase
   bool avx512_;
   x86::Assembler a_;
   asmjit::Label constants_at_;
@@ -618,14 +621,12 @@ struct Trouble : asmjit::ErrorHandler {
 
 class MachineCode final : public Executor {
  public:
-  MachineCode(int lanes, int width) : lanes_(lanes), width_(width) {}
-
-  [[nodiscard]] bool compile(const StepProgram& program, bool avx512, ProtectCode protect) {
+  [[nodiscard]] bool compile(const StepProgram& program, int lanes, bool avx512, ProtectCode protect) {
     asmjit::CodeHolder code;
     Trouble trouble;
     if (code.init(asmjit::Environment::host()) != asmjit::kErrorOk) return false;
     code.setErrorHandler(&trouble);
-    Writer writer(lanes_, width_, avx512, code);
+    Writer writer(lanes, avx512, code);
     if (!writer.write(program) || trouble.any || !code_.take(code, protect)) return false;
     function_ = code_.function();
     return true;
@@ -634,7 +635,6 @@ class MachineCode final : public Executor {
   void run(std::span<double* const> memory) const override { function_(memory.data()); }
 
  private:
-  int lanes_, width_;
   Code code_;
   Function function_ = nullptr;
 };
@@ -647,8 +647,8 @@ std::unique_ptr<Executor> make_machine_code(const StepProgram& program, int lane
                                             ProtectCode protect) {
   const bool wide = vectors == VectorCode::avx512;
   if ((static_cast<std::int64_t>(hwy::SupportedTargets()) & (wide ? HWY_AVX3 : HWY_AVX2)) == 0) return nullptr;
-  auto code = std::make_unique<MachineCode>(lanes, std::min(lanes, wide ? 8 : 4));
-  if (!code->compile(program, wide, protect)) return nullptr;
+  auto code = std::make_unique<MachineCode>();
+  if (!code->compile(program, lanes, wide, protect)) return nullptr;
   return code;
 }
 

@@ -70,9 +70,7 @@ class GroupSolver {
   [[nodiscard]] bool serves(const Attempt& attempt) const {
     return attempt.iterations == 0 && (!attempt.all_rates || work_.group_class.derivatives > 0);
   }
-  // After a small step that did not fail: counts its work. iterations: W
-  void count_small_step(const Pack& pack, const double* iterations, Counters& counters) const;
-  // The same, and measures residuals and makes anchors where that is necessary.
+  // After a small step that did not fail: counts its work, and makes new anchors where that is necessary.
   [[nodiscard]] Status finish_small_step(Pack& pack, double* const (&state)[3], const Attempt& attempt,
                                          const SmallStepFigures& figures, Counters& counters, StepErrors& errors);
   // For a pack that another step solved: makes the posture of each lane whose next step may leave its ball the anchor.
@@ -101,6 +99,7 @@ class GroupSolver {
   // Tries the step in registers; false if it does not apply, or if lanes fail: the results of the others are then kept.
   [[nodiscard]] bool small_step(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters,
                                 StepErrors& errors, Status& status);
+  void count_small_step(const Pack& pack, const double* iterations, Counters& counters) const;
   void solve_in_lanes(Pack& pack, double* const (&state)[3], const Attempt& attempt, StepErrors& errors);
   void keep(const Pack& pack, double* const (&state)[3]);
   void take_kept(const Pack& pack, double* const (&state)[3]) const;

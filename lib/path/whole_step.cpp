@@ -5,31 +5,24 @@
 
 #include "group/pack_memory.hpp"
 #include "index.hpp"
-#include "program/group_step.hpp"
-#include "program/step_rules.hpp"
+#include "program/mechanism_step.hpp"
 
 namespace assur {
-namespace {
-
-std::size_t inputs_of(const Pack& pack) { return pack.inputs.size(); }
-
-}  // namespace
 
 std::unique_ptr<WholeStep> WholeStep::make(Layout& layout, DriveProgram& drivers, const State& state, StepCode& code) {
   static_assert(kMostWeights == kMostPast);
   if (layout.packs.empty()) return nullptr;
-  const auto solver = [&](const Pack& pack) -> const GroupSolver& { return *layout.solvers[idx(pack.group_class)]; };
-  MechanismOutline outline{solver(layout.packs[0]).lanes(), drivers.outline(), state.weights(), {}};
+  std::unique_ptr<WholeStep> out(new WholeStep(layout, drivers));
+  MechanismOutline outline{drivers.outline(), state.weights(), {}};
   for (const Pack& pack : layout.packs) {
-    const GroupSolver& s = solver(pack);
-    if (!s.has_small_step() || s.lanes() != outline.lanes) return nullptr;
-    outline.groups.push_back({s.group_class(), s.program(), s.blocks().reads(0), pack.inputs, pack.used,
+    const GroupSolver& s = out->solver(pack);
+    if (!s.has_small_step()) return nullptr;
+    outline.groups.push_back({s.lanes(), s.group_class(), s.program(), s.blocks().reads(0), pack.inputs, pack.used,
                               static_cast<std::uint32_t>(pack.unknowns - layout.first_unknown)});
   }
   MechanismStep step = mechanism_step(outline, kMostInstructions);
   if (step.program.phases.empty()) return nullptr;
-  std::unique_ptr<WholeStep> out(new WholeStep(layout, drivers, outline.lanes));
-  out->code_ = code.of(step.program, outline.lanes);
+  out->code_ = code.of(step.program, 1);
   if (!out->code_) return nullptr;
   out->factors_.assign(step.factors.begin(), step.factors.end());
   out->weights_ = outline.weights;
@@ -39,34 +32,43 @@ std::unique_ptr<WholeStep> WholeStep::make(Layout& layout, DriveProgram& drivers
 
 void WholeStep::reserve(std::size_t work) {
   const std::vector<Pack>& packs = layout_.packs;
-  std::size_t inputs = 0;
-  for (const Pack& pack : packs) inputs += inputs_of(pack);
-  work_.assign(work * lanes_, 0.0);
+  const auto lanes = [&](const Pack& pack) { return idx(solver(pack).lanes()); };
+  std::size_t inputs = 0, all_lanes = 0, most_lanes = 0;
+  for (const Pack& pack : packs) {
+    inputs += pack.inputs.size();
+    all_lanes += lanes(pack);
+    most_lanes = std::max(most_lanes, lanes(pack));
+  }
+  work_.assign(work * most_lanes, 0.0);
   inputs_.assign(3 * inputs, 0.0);
-  figures_.assign((packs.size() * kGroupFigures + kMechanismFigures) * lanes_, 0.0);
-  memory_.assign((packs.size() + 1) * kMemories, nullptr);
+  of_lanes_.assign(all_lanes * kGroupFigures, 0.0);
+  figures_.resize(packs.size());
+  memory_.assign(packs.size() * kMemories, nullptr);
   at(Memory::laws) = drivers_.jets(0);
   at(Memory::law_rates) = drivers_.jets(1);
   at(Memory::law_accelerations) = drivers_.jets(2);
   at(Memory::sines) = drivers_.sines();
   at(Memory::cosines) = drivers_.cosines();
   at(Memory::factors) = factors_.data();
-  double* next = inputs_.data();
+  at(kUndefined.memory) = &undefined_;
+  double *next = inputs_.data(), *figures = of_lanes_.data();
   for (std::size_t p = 0; p < packs.size(); ++p) {
     for (const Memory m : {Memory::inputs, Memory::input_rates, Memory::input_accelerations}) {
-      at(m, p) = std::exchange(next, next + inputs_of(packs[p]));
+      at(m, p) = std::exchange(next, next + packs[p].inputs.size());
     }
+    figures_[p].of_lanes = std::exchange(figures, figures + kGroupFigures * lanes(packs[p]));
+    const int w = solver(packs[p]).lanes();
+    figures_[p].kernels = w == 1 ? nullptr : &pack_kernels(w);
     at(Memory::settings, p) = settings_.data();
     at(Memory::work, p) = work_.data();
-    at(Memory::figures, p) = figures_.data() + p * kGroupFigures * lanes_;
+    at(Memory::figures, p) = figures_[p].of_lanes;
   }
-  at(Memory::figures, packs.size()) = figures_.data();
 }
 
 void WholeStep::take_rest(const double* state) {
   for (std::size_t p = 0; p < layout_.packs.size(); ++p) {
     const Pack& pack = layout_.packs[p];
-    for (std::size_t i = 0; i < inputs_of(pack); ++i) at(Memory::inputs, p)[i] = state[idx(pack.inputs[i])];
+    for (std::size_t i = 0; i < pack.inputs.size(); ++i) at(Memory::inputs, p)[i] = state[idx(pack.inputs[i])];
   }
   knows_rest_ = true;
 }
@@ -90,61 +92,47 @@ bool WholeStep::run(double* const (&state)[3], const State::Prediction& predicti
   }
   drivers_.find_sines();
   code_->run(memory_);
-  const double* const failed = row(layout_.packs.size(), MechanismFigure::failed);
-  return std::all_of(failed, failed + lanes_, [](double f) { return f <= 0; });
+  return find_figures();
+}
+
+// False if a lane fails.
+bool WholeStep::find_figures() {
+  double failed = undefined_;
+  for (Figures& f : figures_) {
+    if (f.kernels == nullptr) {
+      std::copy_n(f.of_lanes, kGroupFigures, f.largest);
+    } else {
+      f.kernels->row_maxima(f.of_lanes, kGroupFigures, f.largest);
+    }
+    failed += f[GroupFigure::failed];
+  }
+  return failed <= 0;
 }
 
 Status WholeStep::finish(double* const (&state)[3], const Attempt& attempt, Counters& counters, StepErrors& errors,
                          std::size_t& failed) {
   std::vector<Pack>& packs = layout_.packs;
   failed = packs.size();
-  const auto solver = [&](const Pack& pack) -> GroupSolver& { return *layout_.solvers[idx(pack.group_class)]; };
-  if (const Figures all = figures(packs.size()); all.position <= kConverged && all.needs_anchor <= 0) {
-    for (std::size_t p = 0; p < packs.size(); ++p) {
-      solver(packs[p]).count_small_step(packs[p], row(p, GroupFigure::iterations), counters);
-      packs[p].keep_use(attempt.number);
-      std::copy_n(row(p, GroupFigure::ball_used), lanes_, packs[p].ball_used.begin());
-    }
-    errors.position = std::max(errors.position, all.position);
-    errors.velocity = std::max(errors.velocity, all.velocity);
-    errors.acceleration = std::max(errors.acceleration, all.acceleration);
-    return {};
-  }
   Status status;
   for (std::size_t p = 0; p < packs.size(); ++p) {
     if (!status.ok() && packs[failed].level != packs[p].level) break;
-    const Figures of_pack = figures(p);
-    SmallStepFigures f;
-    f.position = std::max(errors.position, of_pack.position);
-    f.velocity = std::max(errors.velocity, of_pack.velocity);
-    f.acceleration = std::max(errors.acceleration, of_pack.acceleration);
-    f.iterations = row(p, GroupFigure::iterations);
-    f.ball_used = row(p, GroupFigure::ball_used);
-    f.balls_last = of_pack.needs_anchor <= 0;
-    const Status s = solver(packs[p]).finish_small_step(packs[p], state, attempt, f, counters, errors);
+    const Figures& f = figures_[p];
+    const auto row = [&](GroupFigure figure) {
+      return f.of_lanes + static_cast<std::size_t>(figure) * idx(solver(packs[p]).lanes());
+    };
+    SmallStepFigures of_pack;
+    of_pack.position = std::max(errors.position, f[GroupFigure::position]);
+    of_pack.velocity = std::max(errors.velocity, f[GroupFigure::velocity]);
+    of_pack.acceleration = std::max(errors.acceleration, f[GroupFigure::acceleration]);
+    of_pack.iterations = row(GroupFigure::iterations);
+    of_pack.ball_used = row(GroupFigure::ball_used);
+    of_pack.balls_last = f[GroupFigure::needs_anchor] <= 0;
+    const Status s = solver(packs[p]).finish_small_step(packs[p], state, attempt, of_pack, counters, errors);
     if (s.ok() || !status.ok()) continue;
     status = s;
     failed = p;
   }
   return status;
-}
-
-// Of a group, or, behind the last one, of the mechanism.
-WholeStep::Figures WholeStep::figures(std::size_t group) {
-  static_assert(kMechanismFigures <= kGroupFigures);
-  const bool all = group == layout_.packs.size();
-  double of_lanes[kGroupFigures];
-  const double* largest = row(group, GroupFigure{0});
-  if (lanes_ > 1) {
-    kernels_.row_maxima(largest, static_cast<std::int32_t>(all ? kMechanismFigures : kGroupFigures), of_lanes);
-    largest = of_lanes;
-  }
-  const auto of = [&](MechanismFigure m, GroupFigure g) {
-    return largest[all ? static_cast<std::size_t>(m) : static_cast<std::size_t>(g)];
-  };
-  return {of(MechanismFigure::position, GroupFigure::position), of(MechanismFigure::velocity, GroupFigure::velocity),
-          of(MechanismFigure::acceleration, GroupFigure::acceleration),
-          of(MechanismFigure::needs_anchor, GroupFigure::needs_anchor)};
 }
 
 }  // namespace assur

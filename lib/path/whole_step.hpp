@@ -19,8 +19,8 @@ namespace assur {
 
 class WholeStep {
  public:
-  // Null if there is no such code: for a group that has no small step, for packs of several widths, or if it would be
-  // too long. All must outlive it, and the drivers must not change.
+  // Null if there is no such code: for a group that has no small step, or if it would be too long. All must outlive it,
+  // and the drivers must not change.
   [[nodiscard]] static std::unique_ptr<WholeStep> make(Layout& layout, DriveProgram& drivers, const State& state,
                                                        StepCode& code);
 
@@ -34,31 +34,34 @@ class WholeStep {
                               std::size_t& failed);
 
  private:
+  // Of a pack, in Memory::figures.
   struct Figures {
-    double position, velocity, acceleration, needs_anchor;
+    double* of_lanes;            // kGroupFigures x W
+    const PackKernels* kernels;  // for this W; null: 1
+    double largest[kGroupFigures];
+
+    [[nodiscard]] double operator[](GroupFigure f) const { return largest[static_cast<std::size_t>(f)]; }
   };
-  WholeStep(Layout& layout, DriveProgram& drivers, int lanes)
-      : layout_(layout), drivers_(drivers), kernels_(pack_kernels(lanes)), lanes_(static_cast<std::size_t>(lanes)) {}
+  WholeStep(Layout& layout, DriveProgram& drivers) : layout_(layout), drivers_(drivers) {}
+  [[nodiscard]] GroupSolver& solver(const Pack& pack) {
+    return *layout_.solvers[static_cast<std::size_t>(pack.group_class)];
+  }
   void reserve(std::size_t work);
   void take_rest(const double* state);
-  [[nodiscard]] Figures figures(std::size_t group);
-  template <class Figure>
-  [[nodiscard]] double* row(std::size_t group, Figure figure) {
-    return figures_.data() + (group * kGroupFigures + static_cast<std::size_t>(figure)) * lanes_;
-  }
+  [[nodiscard]] bool find_figures();
   [[nodiscard]] double*& at(Memory memory, std::size_t group = 0) {
     return memory_[group * kMemories + static_cast<std::size_t>(memory)];
   }
 
   Layout& layout_;
   DriveProgram& drivers_;
-  const PackKernels& kernels_;
-  std::size_t lanes_;  // W
   std::shared_ptr<const Executor> code_;
-  std::size_t weights_ = 0;   // of the prediction
-  LaneArray factors_, work_;  // memory of the code
-  LaneArray inputs_;          // of all groups
-  LaneArray figures_;         // of all groups, then of the mechanism
+  std::size_t weights_ = 0;       // of the prediction
+  LaneArray factors_, work_;      // memory of the code
+  LaneArray inputs_;              // of all groups
+  LaneArray of_lanes_;            // figures of all groups
+  std::vector<Figures> figures_;  // packs
+  double undefined_ = 0;          // kUndefined
   std::vector<double*> memory_;
   std::array<double, kGroupSettings> settings_{};
   bool knows_rest_ = false;  // inputs_ hold the coordinates at rest

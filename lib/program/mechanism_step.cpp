@@ -21,7 +21,7 @@ using Sum = DrivenOutline::Sum;
 
 class Writer {
  public:
-  explicit Writer(const MechanismOutline& outline) : of_(outline), w_(idx(outline.lanes)) {
+  explicit Writer(const MechanismOutline& outline) : of_(outline) {
     for (const Sum& s : of_.driven.sums) sum_at_[s.address] = &s;
     find_rows();
   }
@@ -34,6 +34,7 @@ class Writer {
         drive(graph);
         if (reads_driven_apart(g)) {  // which must be stored first
           out_.program.phases.push_back(graph.phase());
+          out_.program.phases.back().lanes = 1;
           driven_.clear();
           graph = {};
         }
@@ -45,18 +46,19 @@ class Writer {
       out_.work = std::max(out_.work, step.work);
       for (Phase& phase : step.program.phases) {
         instructions += phase.code.size();
+        phase.lanes = groups.lanes;
         out_.program.phases.push_back(std::move(phase));
       }
       if (instructions > most) return {};
       driven_.clear();
     }
-    out_.program.phases.push_back(figures());
     return std::move(out_);
   }
 
  private:
   [[nodiscard]] std::span<const std::int32_t> addresses(std::size_t group, std::int32_t input) const {
-    return of_.groups[group].inputs.subspan(idx(input) * w_, w_);
+    const std::size_t w = idx(of_.groups[group].lanes);
+    return of_.groups[group].inputs.subspan(idx(input) * w, w);
   }
   static Slot one(Memory memory, std::int32_t index) { return {memory, static_cast<std::uint32_t>(index), Reach::one}; }
   static bool moves(const MechanismOutline::Groups& groups, std::int32_t input) {
@@ -65,7 +67,6 @@ class Writer {
 
   // Sums that only the lanes of one input read are computed lane by lane, if they have the same coordinates.
   void find_rows() {
-    if (w_ == 1) return;
     std::map<std::int32_t, int> readers;
     for (const Sum& s : of_.driven.sums) {
       for (const DrivenOutline::Term& t : s.terms) ++readers[t.address];
@@ -138,7 +139,7 @@ class Writer {
     for (std::int32_t slot = 0; slot < d.laws; ++slot) {
       for (const auto part : kParts) sum = sum + law(slot).*part;
     }
-    graph.store(undefined(), sum - sum);
+    graph.store(kUndefined, sum - sum);
   }
   // The same number for all lanes.
   [[nodiscard]] Jet<Value> state(Graph& graph, std::int32_t address) const {
@@ -177,8 +178,9 @@ class Writer {
       Value sum = Value::set(0);
       for (std::uint32_t k = 0; k < of_.weights; ++k) {
         const auto memory = static_cast<Memory>(static_cast<std::uint32_t>(Memory::past) + k);
-        sum.add_product(graph.load({Memory::weights, k, Reach::one}),
-                        graph.load({memory, groups.unknowns + j * static_cast<std::uint32_t>(w_), Reach::from}));
+        sum.add_product(
+            graph.load({Memory::weights, k, Reach::one}),
+            graph.load({memory, groups.unknowns + j * static_cast<std::uint32_t>(groups.lanes), Reach::from}));
       }
       graph.store({Memory::unknowns, j, Reach::row, static_cast<std::uint16_t>(group)}, sum);
       unknowns.push_back(sum);
@@ -236,45 +238,7 @@ class Writer {
     return static_cast<std::uint32_t>(begin);
   }
 
-  // ---- figures
-
-  // Behind the last group.
-  [[nodiscard]] Slot figure(std::size_t group, std::uint32_t number) const {
-    return {Memory::figures, static_cast<std::uint32_t>(group * kGroupFigures) + number, Reach::row,
-            static_cast<std::uint16_t>(of_.groups.size())};
-  }
-  [[nodiscard]] Slot figure(MechanismFigure f) const {
-    return figure(of_.groups.size(), static_cast<std::uint32_t>(f));
-  }
-  // A single number.
-  [[nodiscard]] Slot undefined() const {
-    Slot slot = figure(MechanismFigure::undefined);
-    slot.index *= static_cast<std::uint32_t>(w_);
-    slot.reach = Reach::one;
-    return slot;
-  }
-  [[nodiscard]] Phase figures() const {
-    Graph graph;
-    Value failed = graph.load(undefined());
-    Value position = Value::set(0), needs_anchor = position, velocity = Value::set(-1), acceleration = velocity;
-    for (std::size_t g = 0; g < of_.groups.size(); ++g) {
-      const auto of = [&](GroupFigure f) { return graph.load(figure(g, static_cast<std::uint32_t>(f))); };
-      failed = failed + of(GroupFigure::failed);
-      position = max(of(GroupFigure::position), position);
-      velocity = max(of(GroupFigure::velocity), velocity);
-      acceleration = max(of(GroupFigure::acceleration), acceleration);
-      needs_anchor = max(of(GroupFigure::needs_anchor), needs_anchor);
-    }
-    graph.store(figure(MechanismFigure::failed), failed);
-    graph.store(figure(MechanismFigure::position), position);
-    graph.store(figure(MechanismFigure::velocity), velocity);
-    graph.store(figure(MechanismFigure::acceleration), acceleration);
-    graph.store(figure(MechanismFigure::needs_anchor), needs_anchor);
-    return graph.phase();
-  }
-
   const MechanismOutline& of_;
-  std::size_t w_;
   MechanismStep out_;
   std::map<std::int32_t, Jet<Value>> driven_;               // by address, in the first phase
   std::map<std::int32_t, const Sum*> sum_at_;               // address

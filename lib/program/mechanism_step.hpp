@@ -42,6 +42,7 @@ struct DrivenOutline {
 struct MechanismOutline {
   // W groups of one class.
   struct Groups {
+    int lanes;  // W
     const GroupClass& group_class;
     const Program& equations;
     std::span<const std::int32_t> reads;   // see group_step()
@@ -50,23 +51,10 @@ struct MechanismOutline {
     std::uint32_t unknowns;                // address of the first, relative to the first of the mechanism
   };
 
-  int lanes = 1;  // W
   DrivenOutline driven;
   std::uint32_t weights = 1;   // of the prediction
   std::vector<Groups> groups;  // in solving order
 };
-
-// Figures of the whole step. The memory of the group behind the last one begins with the figures of all groups, then
-// has these.
-enum class MechanismFigure : std::uint32_t {
-  failed,  // these five as GroupFigure, over all groups
-  position,
-  velocity,
-  acceleration,
-  needs_anchor,
-  undefined,  // one number: 0, or NaN if a law is not defined
-};
-inline constexpr std::size_t kMechanismFigures = 6;
 
 struct MechanismStep {
   StepProgram program;
@@ -74,8 +62,12 @@ struct MechanismStep {
   std::vector<double> factors;  // Memory::factors
 };
 
-// For groups that all have a group_step(). Without phases if it would have more than `most` instructions. Inputs that never move are not written: they must be in Memory::inputs. A
-// lane fails as well if a law is not defined.
+// NaN if a law is not defined, else 0; among the memories of the first group.
+inline constexpr Slot kUndefined{Memory::undefined, 0, Reach::one};
+
+// For groups that all have a group_step(), with the memories of the driven coordinates in the first group. Inputs that
+// never move are not written: they must be in Memory::inputs. Without phases if it would have more than `most`
+// instructions.
 [[nodiscard]] MechanismStep mechanism_step(const MechanismOutline& outline, std::size_t most);
 
 }  // namespace assur

@@ -80,6 +80,7 @@ enum class Memory : std::uint8_t {
   cosines,
   factors,  // of sums
   weights,  // of the prediction
+  undefined,
   outputs,  // by column
   past,     // what the weights multiply, in kMostPast memories
 };
@@ -130,6 +131,7 @@ struct Phase {
   std::vector<Store> stores;
   // The phase is repeated as long as this slot is positive in a lane; without one, it runs once.
   std::optional<Slot> repeat_while;
+  int lanes = 0;  // W of this phase; 0: that of the executor
 
   friend bool operator==(const Phase&, const Phase&) = default;
 };

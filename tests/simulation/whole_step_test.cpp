@@ -75,8 +75,8 @@ class WholeStepTest : public testing::Test {
 
 TEST_F(WholeStepTest, IsOneCallForASmallMechanism) {
   const std::pair<const char*, const char*> cases[] = {
-      {"four_bar", "lanes"}, {"slider_crank", "lanes"}, {"jansen", "lanes"},   {"klann", "lanes"},
-      {"watt", "lanes"},     {"four_bar:10", "lanes"},  {"stewart", "lanes:8"}};
+      {"four_bar", "lanes"}, {"slider_crank", "lanes"}, {"jansen", "lanes"},    {"klann", "lanes"},
+      {"watt", "lanes"},     {"four_bar:10", "lanes"},  {"stewart", "lanes:8"}, {"jansen", "lanes:8"}};
   for (const auto& [name, solver] : cases) {
     SCOPED_TRACE(std::string(name) + " " + solver);
     const Scene scene = sample(name);
