@@ -387,10 +387,10 @@ class Writer {
 
   // ---- numbers that are no neighbours
 
-  // Two lanes of a vector from lane k on, which is even, in the low half of a register: `to` itself for k = 0.
-  x86::Xmm half_of(const x86::Vec& v, int k) {
+  // Two lanes of a vector from lane k on, which is even, in the low half of a register: of `v` itself for k = 0.
+  auto half_of(const x86::Vec& v, int k) {
     if (k == 0) return v.xmm();
-    const x86::Xmm part = vector(take()).xmm();
+    const auto part = vector(take()).xmm();
     if (avx512_) {
       a_.vextractf64x2(part, v, k / 2);
     } else {
@@ -407,7 +407,7 @@ class Writer {
     const auto is_stored = [&](int k) { return k < width_ && offset(to, k) >= 0; };
     for (int k = 0; k < width_; k += 2) {
       if (!is_stored(k) && !is_stored(k + 1)) continue;
-      const x86::Xmm half = half_of(from, k);
+      const auto half = half_of(from, k);
       if (is_stored(k)) a_.vmovsd(number(to, k), half);
       if (is_stored(k + 1)) a_.vmovhpd(number(to, k + 1), half);
     }
@@ -424,7 +424,7 @@ class Writer {
     } else {
       const x86::Vec part = width_ > 2 ? vector(take()) : to;
       for (int k = 0; k < width_; k += 2) {
-        const x86::Xmm half = k == 0 ? to.xmm() : part.xmm();
+        const auto half = k == 0 ? to.xmm() : part.xmm();
         a_.vmovsd(half, number(from, k));
         if (k + 1 < width_) a_.vmovhpd(half, half, number(from, k + 1));
         if (k == 0) continue;

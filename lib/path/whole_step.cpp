@@ -11,7 +11,8 @@ namespace assur {
 
 std::unique_ptr<WholeStep> WholeStep::make(Layout& layout, DriveProgram& drivers, const State& state, StepCode& code) {
   static_assert(kMostWeights == kMostPast);
-  if (layout.packs.empty()) return nullptr;
+  constexpr std::size_t kLeast = 100;  // instructions of a group
+  if (layout.packs.empty() || kLeast * layout.packs.size() > kMostInstructions) return nullptr;
   std::unique_ptr<WholeStep> out(new WholeStep(layout, drivers));
   MechanismOutline outline{drivers.outline(), state.weights(), {}};
   for (const Pack& pack : layout.packs) {
