@@ -18,7 +18,7 @@ struct LawOutline {
   };
   // Polynomials of neighbouring laws: [power], by lane.
   using Polynomials = std::vector<std::vector<double>>;
-  // W neighbouring laws; lanes without one repeat nothing and give 0.
+  // W neighbouring laws; lanes without a law give 0.
   struct Block {
     std::vector<double> base;  // W: constant parts
     std::vector<Harmonics> harmonics;
