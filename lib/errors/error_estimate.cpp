@@ -6,9 +6,9 @@
 
 #include "errors/angle_output.hpp"
 #include "errors/law_rounding.hpp"
+#include "program/step_rules.hpp"
 #include "index.hpp"
 #include "numbers.hpp"
-#include "program/step_rules.hpp"
 #include "scene/outputs.hpp"
 #include "signals/random_sign.hpp"
 
@@ -43,14 +43,10 @@ ErrorEstimate::ErrorEstimate(const Structure& structure, Layout& layout, std::sp
       asked_(accuracy > 0 ? accuracy : kDoubtfulError),
       best_(accuracy > 0 ? kConverged : 0) {
   const System& system = *structure.system;
-  std::vector<std::uint8_t> is_sum(system.coordinates.size(), 0);
-  for (const Assignment& a : system.assignments) is_sum[idx(a.coordinate)] = 1;
   for (std::size_t c = 0; c < system.coordinates.size(); ++c) {
     const bool drives = system.coordinates[c].role == Role::driven && system.coordinates[c].moving;
     const bool is_copy = layout.address[c] != static_cast<std::int32_t>(c * outputs.size());
-    if (!drives || is_copy) continue;
-    driven_.push_back(layout.address[c]);
-    if (is_sum[c] == 0) steered_.push_back(layout.address[c]);
+    if (drives && !is_copy) driven_.push_back(layout.address[c]);
   }
   for (const Output& o : wanted_outputs(system)) {
     const auto first = static_cast<std::int32_t>(3 * dimension_.size());
@@ -123,7 +119,7 @@ void ErrorEstimate::restart(std::span<const System* const> systems, std::span<co
     for (const int dimension : dimension_) m.unit.push_back(systems[i]->unit(dimension));
     m.scale = {1, 0, 0};
     m.largest.assign(m.sizes.size(), {});
-    m.fast.assign(2 * steered_.size(), 0.0);
+    m.fast.assign(2 * driven_.size(), 0.0);
     m.now = {};
     m.limit = asked_;
     m.smallest.assign(outputs_[i].measures(), kInfinity);
@@ -223,7 +219,7 @@ void ErrorEstimate::begin(std::span<const double> times, const double* const (&s
     scale[2] = std::max(scale[2], scale[1] * scale[1]);
     for (std::size_t k = 0; k < m.fast.size(); ++k) {
       const std::size_t d = k % 2 + 1;
-      const double now = std::abs(state[d][idx(steered_[k / 2]) + i]);
+      const double now = std::abs(state[d][idx(driven_[k / 2]) + i]);
       m.fast[k] = std::max({m.fast[k], kFaster * now, kFaster * kSlowerThan * scale[d]});
     }
   }
@@ -558,7 +554,7 @@ bool ErrorEstimate::is_faster(const double* const (&state)[3]) const {
   bool faster = false;
   for (std::size_t i = 0; i < used_; ++i) {
     const double* fast = mechanisms_[i].fast.data();
-    for (const std::int32_t a : steered_) {
+    for (const std::int32_t a : driven_) {
       faster |= std::abs(state[1][idx(a) + i]) > fast[0];
       faster |= std::abs(state[2][idx(a) + i]) > fast[1];
       fast += 2;

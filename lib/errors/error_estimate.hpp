@@ -156,7 +156,7 @@ class ErrorEstimate {
     Place worst;
     // Divisors of the measures: the smallest measured ones, and the range in which the last measurement is valid.
     std::vector<double> smallest, least, most;
-    std::vector<double> fast;     // steered_: largest rates and accelerations for which the last measurement is valid
+    std::vector<double> fast;     // driven_: largest rates and accelerations for which the last measurement is valid
     double before = 0, step = 0;  // time of the last step, and its length, s
     double measured = 0, serves = 0;  // time of the last measurement, and how long the rounding of its laws serves, s
     double redundant = 0;             // residual of the redundant equations
@@ -189,7 +189,6 @@ class ErrorEstimate {
   std::span<const OutputProgram> outputs_;
   double asked_, best_;
   std::vector<std::int32_t> driven_;           // addresses of driven coordinates
-  std::vector<std::int32_t> steered_;          // those of them that are no sums of others
   std::vector<std::int32_t> size_of_;          // columns: 3 * output + derivative
   std::vector<int> dimension_;                 // outputs: power of length
   std::vector<std::uint8_t> is_angle_;         // outputs

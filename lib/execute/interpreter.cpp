@@ -141,18 +141,6 @@ class Interpreter final : public Executor {
     const std::int32_t* const address = addresses_.data() + n.operand[0].offset;
     for (int l = 0; l < W; ++l) to[l] = from.memory[n.operand[0].source][address[l]];
   }
-  void store(const Operation& n, const From& from) const {
-    const double* const numbers = from.at(n.operand[0]);
-    if (n.reach == Reach::one) {
-      *from.at(n.to) = numbers[0];
-      return;
-    }
-    const std::int32_t* const address = addresses_.data() + n.to.offset;
-    for (int l = 0; l < W; ++l) {
-      if (address[l] >= 0) from.memory[n.to.source][address[l]] = numbers[l];
-    }
-  }
-
   // c + a b, rounded once.
   static HWY_INLINE V fused(V a, V b, V c) {
 #if HWY_NATIVE_FMA
@@ -172,8 +160,11 @@ class Interpreter final : public Executor {
     const D d;
     for (const Operation& n : listing.operations) {
       if (n.reach != Reach::row) {
-        const bool stores = &n >= listing.operations.data() + listing.stores_begin;
-        stores ? store(n, from) : load(n, from);
+        if (&n < listing.operations.data() + listing.stores_begin) {
+          load(n, from);
+        } else {  // of the first lane
+          *from.at(n.to) = *from.at(n.operand[0]);
+        }
         continue;
       }
       const auto at = [&](const Operand& o) { return from.at(o); };

@@ -387,29 +387,11 @@ class Writer {
 
   // ---- numbers that are no neighbours
 
-  // Two lanes of a vector from lane k on, which is even, in the low half of a register: of `v` itself for k = 0.
-  auto half_of(const x86::Vec& v, int k) {
-    if (k == 0) return v.xmm();
-    const auto part = vector(take()).xmm();
-    if (avx512_) {
-      a_.vextractf64x2(part, v, k / 2);
-    } else {
-      a_.vextractf128(part, v, k / 2);
-    }
-    return part;
-  }
   void store(const Slot& to, const x86::Vec& from) {
-    if (are_neighbours(to)) return move(slot(to), from);
-    if (to.reach == Reach::one) {
-      if (first_ == 0) a_.vmovsd(number(to, 0), from.xmm());
-      return;
-    }
-    const auto is_stored = [&](int k) { return k < width_ && offset(to, k) >= 0; };
-    for (int k = 0; k < width_; k += 2) {
-      if (!is_stored(k) && !is_stored(k + 1)) continue;
-      const auto half = half_of(from, k);
-      if (is_stored(k)) a_.vmovsd(number(to, k), half);
-      if (is_stored(k + 1)) a_.vmovhpd(number(to, k + 1), half);
+    if (are_neighbours(to)) {
+      move(slot(to), from);
+    } else if (first_ == 0) {  // of the first lane
+      a_.vmovsd(number(to, 0), from.xmm());
     }
   }
   void load(const Slot& from, std::uint32_t value) {

@@ -66,10 +66,6 @@ class GroupSolver {
   }
   // True if a step of the whole mechanism may take the place of small steps (path/whole_step.hpp).
   [[nodiscard]] bool has_small_step() const { return small_step_ != nullptr; }
-  // True if small steps do what the attempt asks for.
-  [[nodiscard]] bool serves(const Attempt& attempt) const {
-    return attempt.iterations == 0 && (!attempt.all_rates || work_.group_class.derivatives > 0);
-  }
   // After a small step that did not fail: counts its work, and makes new anchors where that is necessary.
   [[nodiscard]] Status finish_small_step(Pack& pack, double* const (&state)[3], const Attempt& attempt,
                                          const SmallStepFigures& figures, Counters& counters, StepErrors& errors);
@@ -99,6 +95,10 @@ class GroupSolver {
   // Tries the step in registers; false if it does not apply, or if lanes fail: the results of the others are then kept.
   [[nodiscard]] bool small_step(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters,
                                 StepErrors& errors, Status& status);
+  // True if small steps do what the attempt asks for.
+  [[nodiscard]] bool serves(const Attempt& attempt) const {
+    return attempt.iterations == 0 && (!attempt.all_rates || work_.group_class.derivatives > 0);
+  }
   void count_small_step(const Pack& pack, const double* iterations, Counters& counters) const;
   void solve_in_lanes(Pack& pack, double* const (&state)[3], const Attempt& attempt, StepErrors& errors);
   void keep(const Pack& pack, double* const (&state)[3]);

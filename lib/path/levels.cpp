@@ -33,8 +33,9 @@ Levels::Levels(const Prepared& prepared, Layout& layout, std::span<const int> pi
   schedule(prepared.plan, threads);
   if (phases_.empty() && !together) return;
   if (!phases_.empty()) {
-    for (int rank = 1; rank < threads; ++rank)
+    for (int rank = 1; rank < threads; ++rank) {
       helpers_.push_back(make_solvers(prepared, together ? 1 : 0, prepared.code.get()));
+    }
     shares_.resize(idx(threads));
   }
   team_ = std::make_unique<Team>(threads, pin_to);

@@ -7,11 +7,12 @@
 #include <span>
 
 #include "assur/strategy.hpp"
+#include "program/step_program.hpp"
 
 namespace assur {
 
-inline constexpr int kMostPostures = 6;         // past:5
-inline constexpr std::size_t kMostWeights = 6;  // of a prediction: of past:5, or of two postures with two derivatives
+inline constexpr int kMostPostures = 6;                 // past:5
+inline constexpr std::size_t kMostWeights = kMostPast;  // of past:5, or of two postures with two derivatives
 
 struct PredictionWeights {
   int postures = 0;

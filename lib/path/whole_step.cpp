@@ -10,7 +10,6 @@
 namespace assur {
 
 std::unique_ptr<WholeStep> WholeStep::make(Layout& layout, DriveProgram& drivers, const State& state, StepCode& code) {
-  static_assert(kMostWeights == kMostPast);
   constexpr std::size_t kLeast = 100;  // instructions of a group
   if (layout.packs.empty() || kLeast * layout.packs.size() > kMostInstructions) return nullptr;
   std::unique_ptr<WholeStep> out(new WholeStep(layout, drivers));
@@ -18,7 +17,7 @@ std::unique_ptr<WholeStep> WholeStep::make(Layout& layout, DriveProgram& drivers
   for (const Pack& pack : layout.packs) {
     const GroupSolver& s = out->solver(pack);
     if (!s.has_small_step()) return nullptr;
-    outline.groups.push_back({s.lanes(), s.group_class(), s.program(), s.blocks().reads(0), pack.inputs, pack.used,
+    outline.groups.push_back({s.lanes(), s.group_class(), s.program(), s.blocks().reads(0), pack.inputs,
                               static_cast<std::uint32_t>(pack.unknowns - layout.first_unknown)});
   }
   MechanismStep step = mechanism_step(outline, kMostInstructions);

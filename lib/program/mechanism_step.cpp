@@ -17,14 +17,9 @@ constexpr Memory kLaws[] = {Memory::laws, Memory::law_rates, Memory::law_acceler
 constexpr Memory kInputs[] = {Memory::inputs, Memory::input_rates, Memory::input_accelerations};
 constexpr Value Jet<Value>::*kParts[] = {&Jet<Value>::value, &Jet<Value>::rate, &Jet<Value>::acceleration};
 
-using Sum = DrivenOutline::Sum;
-
 class Writer {
  public:
-  explicit Writer(const MechanismOutline& outline) : of_(outline) {
-    for (const Sum& s : of_.driven.sums) sum_at_[s.address] = &s;
-    find_rows();
-  }
+  explicit Writer(const MechanismOutline& outline) : of_(outline) {}
 
   [[nodiscard]] MechanismStep write(std::size_t most) {
     std::size_t instructions = 0;
@@ -65,39 +60,6 @@ class Writer {
     return groups.group_class.input_moves[idx(input)] != 0;
   }
 
-  // Sums that only the lanes of one input read are computed lane by lane, if they have the same coordinates.
-  void find_rows() {
-    std::map<std::int32_t, int> readers;
-    for (const Sum& s : of_.driven.sums) {
-      for (const DrivenOutline::Term& t : s.terms) ++readers[t.address];
-    }
-    const auto each_row = [&](const auto& take) {
-      for (std::size_t g = 0; g < of_.groups.size(); ++g) {
-        for (std::int32_t i = 0; i < of_.groups[g].group_class.inputs; ++i) {
-          take(std::pair(g, i), addresses(g, i).first(idx(of_.groups[g].used)));
-        }
-      }
-    };
-    each_row([&](auto, std::span<const std::int32_t> lanes) {
-      for (const std::int32_t a : lanes) ++readers[a];
-    });
-    each_row([&](const std::pair<std::size_t, std::int32_t>& row, std::span<const std::int32_t> lanes) {
-      const auto first = sum_at_.find(lanes[0]);
-      if (lanes.size() < 2 || first == sum_at_.end()) return;
-      const auto& like = first->second->terms;
-      for (const std::int32_t a : lanes) {
-        const auto s = sum_at_.find(a);
-        if (s == sum_at_.end() || readers[a] != 1) return;
-        const auto same = [](const DrivenOutline::Term& x, const DrivenOutline::Term& y) {
-          return x.address == y.address;
-        };
-        if (!std::equal(like.begin(), like.end(), s->second->terms.begin(), s->second->terms.end(), same)) return;
-      }
-      rows_.push_back(row);
-      for (const std::int32_t a : lanes) in_rows_.push_back(a);
-    });
-  }
-
   // ---- driven coordinates
 
   void drive(Graph& graph) {
@@ -125,8 +87,7 @@ class Writer {
       for (std::size_t k = 0; k < 3; ++k) graph.store(one(kState[k], address), at.*kParts[k]);
     };
     for (const DrivenOutline::Copy& c : d.copies) put(c.address, c.slot < d.laws ? law(c.slot) : of_slot.at(c.slot));
-    for (const Sum& s : d.sums) {
-      if (std::find(in_rows_.begin(), in_rows_.end(), s.address) != in_rows_.end()) continue;
+    for (const DrivenOutline::Sum& s : d.sums) {
       Jet<Value> total;
       for (const DrivenOutline::Term& t : s.terms) {
         const Value factor = graph.load(one(Memory::factors, add_factor(t.factor)));
@@ -154,15 +115,13 @@ class Writer {
 
   // ---- groups
 
-  // Their values, where they move; all derivatives are stored for later phases.
+  // The values of inputs that move; all derivatives are stored for later phases.
   [[nodiscard]] std::vector<Value> find_inputs(Graph& graph, std::size_t group) {
     const MechanismOutline::Groups& groups = of_.groups[group];
     std::vector<Value> values(idx(groups.group_class.inputs));
     for (std::int32_t i = 0; i < groups.group_class.inputs; ++i) {
       if (!moves(groups, i)) continue;
-      const Jet<Value> input = std::find(rows_.begin(), rows_.end(), std::pair(group, i)) != rows_.end()
-                                   ? row_of_sums(graph, group, i)
-                                   : gathered(graph, addresses(group, i));
+      const Jet<Value> input = gathered(graph, addresses(group, i));
       values[idx(i)] = input.value;
       for (std::size_t d = 0; d <= idx(groups.group_class.derivatives); ++d) {
         graph.store({kInputs[d], static_cast<std::uint32_t>(i), Reach::row, static_cast<std::uint16_t>(group)},
@@ -213,24 +172,6 @@ class Writer {
     return out;
   }
 
-  [[nodiscard]] Jet<Value> row_of_sums(Graph& graph, std::size_t group, std::int32_t input) {
-    std::vector<std::int32_t> to(addresses(group, input).begin(), addresses(group, input).end());
-    Jet<Value> total;
-    const auto& terms = sum_at_.at(to[0])->terms;
-    for (std::size_t t = 0; t < terms.size(); ++t) {
-      const auto first = static_cast<std::uint32_t>(out_.factors.size());
-      for (const std::int32_t a : to) add_factor(sum_at_.at(a)->terms[t].factor);
-      const Value factor = graph.load({Memory::factors, first, Reach::from});
-      const Jet<Value> at = state(graph, terms[t].address);
-      for (const auto part : kParts) total.*part = total.*part + factor * (at.*part);
-    }
-    std::fill(to.begin() + of_.groups[group].used, to.end(), -1);
-    const std::uint32_t scattered = add_addresses(to);
-    for (std::size_t k = 0; k < 3; ++k) {
-      graph.store({kState[k], scattered, Reach::scattered}, total.*kParts[k]);
-    }
-    return total;
-  }
   std::uint32_t add_addresses(std::span<const std::int32_t> lanes) {
     std::vector<std::int32_t>& all = out_.program.addresses;
     const std::size_t begin = all.size();
@@ -240,10 +181,7 @@ class Writer {
 
   const MechanismOutline& of_;
   MechanismStep out_;
-  std::map<std::int32_t, Jet<Value>> driven_;               // by address, in the first phase
-  std::map<std::int32_t, const Sum*> sum_at_;               // address
-  std::vector<std::pair<std::size_t, std::int32_t>> rows_;  // group, input
-  std::vector<std::int32_t> in_rows_;                       // addresses of sums
+  std::map<std::int32_t, Jet<Value>> driven_;  // by address, in the first phase
 };
 
 }  // namespace

@@ -47,7 +47,6 @@ struct MechanismOutline {
     const Program& equations;
     std::span<const std::int32_t> reads;   // see group_step()
     std::span<const std::int32_t> inputs;  // inputs x W addresses
-    std::int32_t used;                     // lanes; the others repeat the first
     std::uint32_t unknowns;                // address of the first, relative to the first of the mechanism
   };
 

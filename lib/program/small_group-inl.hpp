@@ -140,12 +140,12 @@ class SmallGroup {
         s.failed = s.failed + (figures.acceleration - figures.acceleration);
       }
     }
-    L moved = L::set(0), sum = moved;
+    L moved = L::set(0), poison = moved;
     for (std::size_t k = 0; k < reads.size(); ++k) {
       const L at = reads[k] < N ? s.x[reads[k]] : equations_.input(reads[k] - N);
-      include(at - in.anchor(k), moved, sum);
+      include(at - in.anchor(k), moved, poison);
     }
-    figures.ball_used = times_omega(in, moved) + (sum - sum);
+    figures.ball_used = times_omega(in, moved) + poison;
     // ball_lasts()
     const L zero = L::set(0), one = L::set(1), more = max(figures.ball_used - in.ball_used(), zero);
     figures.needs_anchor = if_at_most(figures.ball_used + (more + more), L::set(kBall), zero, one);
@@ -161,15 +161,15 @@ class SmallGroup {
   static HWY_INLINE void multiply(const Column& a, const Column& b, Column& out) {
     for (int i = 0; i < N; ++i) out[i] = a[i] * b[i];
   }
-  // sum - sum is NaN if a number is not finite, else 0. The comparisons of a maximum would lose it.
-  static HWY_INLINE void include(const L& number, L& largest, L& sum) {
+  // poison: NaN if a number is not finite, else 0. The comparisons of a maximum would lose it.
+  static HWY_INLINE void include(const L& number, L& largest, L& poison) {
     largest = max(abs(number), largest);
-    sum = sum + number;
+    poison = poison + (number - number);
   }
   static HWY_INLINE L largest_of(const Column& numbers) {
-    L largest = L::set(0), sum = largest;
-    for (int i = 0; i < N; ++i) include(numbers[i], largest, sum);
-    return largest + (sum - sum);
+    L largest = L::set(0), poison = largest;
+    for (int i = 0; i < N; ++i) include(numbers[i], largest, poison);
+    return largest + poison;
   }
   // 0 if all numbers are at most the bound, else 1, also for NaN.
   static HWY_INLINE L is_open(const Column& numbers, const L& bound) {
@@ -184,9 +184,9 @@ class SmallGroup {
   }
   template <class Source>
   static HWY_INLINE L part_of_ball(const Source& in, const Column& by) {
-    L largest = L::set(0), sum = largest;
-    for (int i = 0; i < N; ++i) include(by[i], largest, sum);
-    return times_omega(in, largest) + (sum - sum);
+    L largest = L::set(0), poison = largest;
+    for (int i = 0; i < N; ++i) include(by[i], largest, poison);
+    return times_omega(in, largest) + poison;
   }
   // Maximum norm.
   static HWY_INLINE L norm_of(const Matrix& matrix) {
@@ -201,16 +201,16 @@ class SmallGroup {
   // |b - J x| / (|J| |x| + |b|) in maximum norms.
   static HWY_INLINE L residual(const Matrix& jacobian, const L& norm, const Column& x, const Column& b) {
     const L zero = L::set(0);
-    L left = zero, sum = zero, norm_x = zero, size = zero;
+    L left = zero, poison = zero, norm_x = zero, size = zero;
     for (int i = 0; i < N; ++i) {
       L rest = b[i];
       for (int j = 0; j < N; ++j) rest.subtract_product(jacobian[i][j], x[j]);
-      include(rest, left, sum);
+      include(rest, left, poison);
       norm_x = max(abs(x[i]), norm_x);
       size = max(abs(b[i]), size);
     }
     size.add_product(norm, norm_x);
-    return (left + (sum - sum)) / if_at_most(size, zero, L::set(1), size);
+    return (left + poison) / if_at_most(size, zero, L::set(1), size);
   }
 
   Equations equations_;

@@ -92,7 +92,7 @@ enum class Reach : std::uint8_t {
   row,        // i W + lane
   from,       // i + lane
   one,        // i: the same for all lanes; the first lane stores its number
-  scattered,  // StepProgram::addresses[i + lane]; -1: the lane stores nothing
+  scattered,  // StepProgram::addresses[i + lane]; for loads only
 };
 
 struct Slot {

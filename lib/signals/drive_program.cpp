@@ -329,14 +329,17 @@ void DriveProgram::place_as(const DriveProgram& other, double* const (&state)[3]
     acceleration[at] = second[c.slot];
   }
   for (const Sum& s : sums_) {
-    const std::size_t at = idx(s.coordinate) * stride;
-    for (double* const of : {q, rate, acceleration}) {
-      double total = -0.0;  // adds nothing, not even a sign
-      for (const TermOf& t : std::span(terms_.data() + s.begin, terms_.data() + s.end)) {
-        total += t.factor * of[idx(t.coordinate) * stride];
-      }
-      of[at] = total;
+    double total = -0.0, of_rates = total, of_accelerations = total;  // -0 adds nothing, not even a sign
+    for (const TermOf& t : std::span(terms_.data() + s.begin, terms_.data() + s.end)) {
+      const std::size_t from = idx(t.coordinate) * stride;
+      total += t.factor * q[from];
+      of_rates += t.factor * rate[from];
+      of_accelerations += t.factor * acceleration[from];
     }
+    const std::size_t at = idx(s.coordinate) * stride;
+    q[at] = total;
+    rate[at] = of_rates;
+    acceleration[at] = of_accelerations;
   }
 }
 

@@ -203,9 +203,6 @@ TEST(Executors, FindNumbersByTheirReach) {
     const auto w = static_cast<std::size_t>(lanes);
     StepProgram program;
     for (std::size_t l = 0; l < w; ++l) program.addresses.push_back(static_cast<std::int32_t>(l * 7 % 16));
-    for (std::size_t l = 0; l < w; ++l)
-      program.addresses.push_back(l % 3 == 2 ? -1 : static_cast<std::int32_t>(kTo + 20 - l));
-    const auto scattered = static_cast<std::uint32_t>(w);
     Graph g;
     const Value row = g.load({Memory::state, 1, Reach::row, 1}), from = g.load({Memory::state, kFrom, Reach::from, 1});
     const Value one = g.load({Memory::state, kOne, Reach::one, 1});
@@ -213,7 +210,7 @@ TEST(Executors, FindNumbersByTheirReach) {
     g.store({Memory::outputs, 0, Reach::row}, row + apart);
     g.store({Memory::outputs, 17, Reach::from}, from);
     g.store({Memory::outputs, 35, Reach::one}, one + from);
-    g.store({Memory::outputs, scattered, Reach::scattered}, apart * one);
+    g.store({Memory::outputs, kTo, Reach::from}, apart * one);
     program.phases.push_back(g.phase());
     std::vector<double> given(48), taken(64);
     for (std::size_t i = 0; i < given.size(); ++i) given[i] = 1 + static_cast<double>(i * i);
@@ -225,8 +222,7 @@ TEST(Executors, FindNumbersByTheirReach) {
       const double of_lane = given[static_cast<std::size_t>(program.addresses[l])];
       expected[l] = given[w + l] + of_lane;
       expected[17 + l] = given[kFrom + l];
-      const std::int32_t to = program.addresses[w + l];
-      if (to >= 0) expected[static_cast<std::size_t>(to)] = of_lane * given[kOne];
+      expected[kTo + l] = of_lane * given[kOne];
     }
     expected[35] = given[kOne] + given[kFrom];
     for (const test::NamedExecutor& e : test::executors_of(program, {lanes})) {
