@@ -21,7 +21,7 @@ class Executor {
 };
 
 // Lists of operations, read over vectors of lanes: for every processor. Null if it does not know an operation of the
-// program. lanes: 1, 2, 4, 8 or 16
+// program. lanes: 1, 2, 4, or a multiple of 8
 [[nodiscard]] std::unique_ptr<Executor> make_interpreter(const StepProgram& program, int lanes);
 
 // Vectors of machine code. Fewer than 8 lanes need no more than AVX2.

@@ -30,7 +30,8 @@ class Interpreter final : public Executor {
   using V = hn::Vec<D>;
 
  public:
-  explicit Interpreter(const StepProgram& program) : addresses_(program.addresses) {
+  // lanes: a multiple of W
+  Interpreter(const StepProgram& program, std::size_t lanes) : addresses_(program.addresses), lanes_(lanes) {
     std::size_t places = 0;
     for (const Phase& p : program.phases) {
       phases_.push_back(translate(p));
@@ -41,12 +42,14 @@ class Interpreter final : public Executor {
 
   void run(std::span<double* const> memory) const override {
     for (Listing& p : phases_) {
-      const From from{memory, values_.data(), p.constants.data()};
-      if (!p.repeat_while) {
-        run(p, from);
-        continue;
+      for (std::size_t first = 0; first < lanes_; first += W) {
+        const From from{memory, values_.data(), p.constants.data(), first};
+        if (!p.repeat_while) {
+          run(p, from);
+          continue;
+        }
+        while (is_positive(from.at(*p.repeat_while))) run(p, from);
       }
-      while (is_positive(from.at(*p.repeat_while))) run(p, from);
     }
   }
 
@@ -60,10 +63,12 @@ class Interpreter final : public Executor {
   struct From {
     std::span<double* const> memory;
     double *values, *constants;
+    std::size_t first;  // lane
 
     [[nodiscard]] double* at(const Operand& o) const {
-      return (o.source == kValues ? values : o.source == kConstants ? constants : memory[o.source]) + o.offset;
+      return (o.source == kValues ? values : o.source == kConstants ? constants : memory[o.source] + first) + o.offset;
     }
+    [[nodiscard]] double* one(const Operand& o) const { return memory[o.source] + o.offset; }
   };
   // Loads and stores: reach of the source or the destination that is no row.
   struct Operation {
@@ -82,12 +87,13 @@ class Interpreter final : public Executor {
   };
 
   // of a scattered slot: where its addresses begin
-  static Operand of(Slot s) {
-    return {static_cast<std::uint32_t>(memory_of(s)), s.reach == Reach::row ? s.index * W : s.index};
+  [[nodiscard]] Operand of(Slot s) const {
+    const auto lanes = static_cast<std::uint32_t>(lanes_);
+    return {static_cast<std::uint32_t>(memory_of(s)), s.reach == Reach::row ? s.index * lanes : s.index};
   }
   static bool are_neighbours(Slot s) { return s.reach == Reach::row || s.reach == Reach::from; }
 
-  static Listing translate(const Phase& phase) {
+  [[nodiscard]] Listing translate(const Phase& phase) const {
     const Places places = places_of(phase);
     Listing out{{}, 0, LaneArray(phase.constants.size() * W), places.count, {}};
     for (std::size_t i = 0; i < phase.constants.size(); ++i)
@@ -135,10 +141,10 @@ class Interpreter final : public Executor {
   void load(const Operation& n, const From& from) const {
     double* const to = from.at(n.to);
     if (n.reach == Reach::one) {
-      std::fill_n(to, W, *from.at(n.operand[0]));
+      std::fill_n(to, W, *from.one(n.operand[0]));
       return;
     }
-    const std::int32_t* const address = addresses_.data() + n.operand[0].offset;
+    const std::int32_t* const address = addresses_.data() + n.operand[0].offset + from.first;
     for (int l = 0; l < W; ++l) to[l] = from.memory[n.operand[0].source][address[l]];
   }
   // c + a b, rounded once.
@@ -162,8 +168,8 @@ class Interpreter final : public Executor {
       if (n.reach != Reach::row) {
         if (&n < listing.operations.data() + listing.stores_begin) {
           load(n, from);
-        } else {  // of the first lane
-          *from.at(n.to) = *from.at(n.operand[0]);
+        } else if (from.first == 0) {  // of the first lane
+          *from.one(n.to) = *from.at(n.operand[0]);
         }
         continue;
       }
@@ -232,24 +238,24 @@ class Interpreter final : public Executor {
   }
 
   std::vector<std::int32_t> addresses_;
+  std::size_t lanes_;
   mutable std::vector<Listing> phases_;
   mutable LaneArray values_;  // of the run at hand
 };
 
 Executor* make(const StepProgram& program, int lanes) {
+  const auto all = static_cast<std::size_t>(lanes);
   switch (lanes) {
     case 1:
-      return new Interpreter<1>(program);
+      return new Interpreter<1>(program, all);
     case 2:
-      return new Interpreter<2>(program);
+      return new Interpreter<2>(program, all);
     case 4:
-      return new Interpreter<4>(program);
-    case 8:
-      return new Interpreter<8>(program);
+      return new Interpreter<4>(program, all);
     case 16:
-      return new Interpreter<16>(program);
+      return new Interpreter<16>(program, all);
     default:
-      return nullptr;
+      return lanes > 0 && lanes % 8 == 0 ? new Interpreter<8>(program, all) : nullptr;
   }
 }
 
@@ -289,7 +295,7 @@ std::unique_ptr<Executor> make_interpreter(const StepProgram& program, int lanes
     if (!is_known) return nullptr;
     const StepProgram part{{begin, end}, program.addresses};
     parts.emplace_back(HWY_DYNAMIC_DISPATCH(make)(part, width(*begin)));
-    if (!parts.back()) throw std::invalid_argument("lanes must be 1, 2, 4, 8 or 16");
+    if (!parts.back()) throw std::invalid_argument("lanes must be 1, 2, 4, or a multiple of 8");
   }
   return std::make_unique<Interpreters>(std::move(parts));
 }

@@ -99,7 +99,7 @@ class Uses {
   std::vector<std::vector<std::size_t>> stores_;
 };
 
-// Writes one function for all phases, each for one vector of its lanes after the other. A value that is loaded or
+// Writes one function for all phases, each for one vector of its lanes after the other, or in a loop. A value that is loaded or
 // constant is read where it is used. If registers run out, the value with the farthest next use leaves its register
 // (Belady, IBM Systems Journal 5, 1966), and is written to the stack unless it can be read again elsewhere.
 class Writer {
@@ -118,12 +118,18 @@ class Writer {
     take_stack();
     a_.and_(x86::rsp, -kVector);
     addresses_ = program.addresses.data();
+    phases_ = program.phases.data();
     for (const Phase& phase : program.phases) memories_.push_back(memories_of(phase));
     based_.fill(kNoMemory);
     for (const Phase& phase : program.phases) {
       const auto number = static_cast<std::size_t>(&phase - program.phases.data());
       lanes_ = phase.lanes > 0 ? phase.lanes : usual_lanes_;
       width_ = std::min(lanes_, avx512_ ? 8 : 4);
+      loops_ = lanes_ > kMostInLine * width_;
+      if (loops_) {
+        if (!write_loop(phase)) return false;
+        continue;
+      }
       if (!load_bases(number, phase.repeat_while.has_value())) return false;
       const bool once = !phase.repeat_while && std::all_of(phase.stores.begin(), phase.stores.end(),
                                                            [](const auto& s) { return s.to.reach == Reach::one; });
@@ -150,9 +156,11 @@ class Writer {
   static constexpr std::uint32_t kFree = UINT32_MAX;  // no value, no register, no place on the stack
   static constexpr std::size_t kNoMemory = SIZE_MAX;
   static constexpr std::int32_t kVector = 64;
+  static constexpr int kMostInLine = 4;  // vectors of a phase without a loop
   static constexpr x86::Gp kSaved[] = {x86::rbx, x86::r12, x86::r13, x86::r14, x86::r15};
   static constexpr x86::Gp kBases[] = {x86::rax, x86::rcx, x86::rdx, x86::rsi, x86::r8,  x86::r9, x86::r10,
                                        x86::r11, x86::rbx, x86::r12, x86::r13, x86::r14, x86::r15};
+  static constexpr x86::Gp kPlace = x86::r15;  // of a loop: of the vector, in bytes from the first
 
   // Always the same number of bytes.
   void take_stack() { a_.long_().sub(x86::rsp, static_cast<std::int32_t>((slots_ + 1) * kVector)); }
@@ -176,10 +184,10 @@ class Writer {
   // than the registers.
   [[nodiscard]] bool load_bases(std::size_t phase, bool is_loop) {
     const std::vector<std::size_t>& needed = memories_[phase];
-    if (needed.size() > std::size(kBases)) return !is_loop;  // each is loaded where it is needed
+    if (needed.size() > bases()) return !is_loop;  // each is loaded where it is needed
     for (const std::size_t memory : needed) (void)base(memory);
     if (!is_loop || phase + 1 == memories_.size()) return true;
-    std::size_t left = std::size(kBases) - needed.size();
+    std::size_t left = bases() - needed.size();
     for (const std::size_t memory : memories_[phase + 1]) {
       if (contains(needed, memory)) continue;
       if (left-- == 0) break;
@@ -188,11 +196,14 @@ class Writer {
     for (const std::size_t memory : needed) (void)base(memory);  // the last to leave
     return true;
   }
+  // The number of registers that may hold an address.
+  [[nodiscard]] std::size_t bases() const { return std::size(kBases) - (loops_ ? 1 : 0); }
   // The register with the address of a memory. The one that was not needed for the longest time gives way.
   [[nodiscard]] const x86::Gp& base(std::size_t memory) {
     auto at = std::find(based_.begin(), based_.end(), memory);
     if (at == based_.end()) {
-      at = based_.begin() + (std::min_element(needed_at_.begin(), needed_at_.end()) - needed_at_.begin());
+      const auto end = needed_at_.begin() + static_cast<std::ptrdiff_t>(bases());
+      at = based_.begin() + (std::min_element(needed_at_.begin(), end) - needed_at_.begin());
       *at = memory;
       a_.mov(kBases[at - based_.begin()], pointer_to(memory));
     }
@@ -203,6 +214,11 @@ class Writer {
     return std::find(all.begin(), all.end(), one) != all.end();
   }
   static x86::Mem pointer_to(std::size_t memory) { return x86::ptr(x86::rdi, static_cast<std::int32_t>(memory) * 8); }
+  // A place relative to a memory. moves: with the vectors of a loop
+  [[nodiscard]] x86::Mem place(std::size_t memory, std::int32_t offset, bool moves, std::uint32_t size) {
+    if (loops_ && moves) return x86::ptr(base(memory), kPlace, 0, offset, size);
+    return x86::ptr(base(memory), offset, size);
+  }
   // Numbers that are no neighbours are moved one by one.
   [[nodiscard]] bool are_neighbours(const Slot& s) const {
     return s.reach == Reach::row || s.reach == Reach::from || (s.reach == Reach::one && width_ == 1);
@@ -214,8 +230,8 @@ class Writer {
     if (s.reach == Reach::scattered) return addresses_[s.index + static_cast<std::uint32_t>(first_ + k)] * 8;
     return ((s.reach == Reach::row ? index * lanes_ : index) + first_) * 8;
   }
-  [[nodiscard]] x86::Mem slot(const Slot& s) { return x86::ptr(base(memory_of(s)), offset(s), bytes()); }
-  [[nodiscard]] x86::Mem number(const Slot& s, int k) { return x86::ptr(base(memory_of(s)), offset(s, k), 8); }
+  [[nodiscard]] x86::Mem slot(const Slot& s) { return place(memory_of(s), offset(s), true, bytes()); }
+  [[nodiscard]] x86::Mem number(const Slot& s, int k) { return place(memory_of(s), offset(s, k), false, 8); }
   x86::Mem constant(std::uint64_t bits) {
     const auto found = std::find(constants_.begin(), constants_.end(), bits);
     const auto at = static_cast<std::int32_t>(found - constants_.begin());
@@ -345,6 +361,26 @@ class Writer {
     a_.jz(to);
   }
 
+  // The phase once for each vector. A loop has neighbours only, and numbers that all lanes read.
+  [[nodiscard]] bool write_loop(const Phase& phase) {
+    const auto is_scattered = [](const Slot& s) { return s.reach == Reach::scattered; };
+    const bool known = std::none_of(phase.code.begin(), phase.code.end(), [&](const Instruction& n) {
+      return n.op == Op::load && is_scattered(n.slot);
+    }) && std::none_of(phase.stores.begin(), phase.stores.end(), [](const auto& s) { return s.to.reach == Reach::one; });
+    const auto number = static_cast<std::size_t>(&phase - phases_);
+    based_.back() = kNoMemory;  // the register is kPlace
+    if (!known || phase.repeat_while || lanes_ % width_ != 0 || !load_bases(number, true)) return false;
+    const asmjit::Label again = a_.newLabel();
+    a_.xor_(kPlace.r32(), kPlace.r32());
+    a_.bind(again);
+    first_ = 0;
+    if (!write(phase)) return false;
+    a_.add(kPlace, width_ * 8);
+    a_.cmp(kPlace, lanes_ * 8);
+    a_.jb(again);
+    loops_ = false;
+    return true;
+  }
   [[nodiscard]] bool write_repeated(const Phase& phase) {
     if (!phase.repeat_while) return write(phase);
     const asmjit::Label again = a_.newLabel(), end = a_.newLabel();
@@ -579,7 +615,9 @@ class Writer {
   asmjit::Label constants_at_;
   std::vector<std::uint64_t> constants_;
   const std::int32_t* addresses_ = nullptr;                   // StepProgram::addresses
+  const Phase* phases_ = nullptr;                             // of the program
   int first_ = 0;                                             // lane of the vector
+  bool loops_ = false;                                        // over the vectors of the phase
   std::vector<std::vector<std::size_t>> memories_;            // of the phases
   std::array<std::size_t, std::size(kBases)> based_{};        // memory whose address is in each register
   std::array<std::uint64_t, std::size(kBases)> needed_at_{};  // when it was needed last

@@ -17,7 +17,6 @@
 #include "group/newton_step.hpp"
 #include "group/singularity.hpp"
 #include "group/small_step.hpp"
-#include "group/together_step.hpp"
 #include "group/workspace.hpp"
 
 namespace assur {
@@ -60,10 +59,6 @@ class GroupSolver {
   }
   void reserve(DiagnosisMemory& memory) const { memory.reserve(work_, guard_.blocks()); }
 
-  // The step of all groups of the class at once, W of them in a pack. computed: see make_together_step().
-  [[nodiscard]] std::unique_ptr<TogetherStep> together_step(std::span<const std::uint8_t> computed, int lanes) const {
-    return make_together_step(work_.group_class, work_.program, guard_.blocks(), computed, lanes);
-  }
   // True if a step of the whole mechanism may take the place of small steps (path/whole_step.hpp).
   [[nodiscard]] bool has_small_step() const { return small_step_ != nullptr; }
   // After a small step that did not fail: counts its work, and makes new anchors where that is necessary.

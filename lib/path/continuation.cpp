@@ -90,6 +90,7 @@ void Continuation::use(StepCode& code) {
   const bool on_one_thread = together_ == nullptr && levels_.threads() == 1;
   if (on_one_thread) whole_ = WholeStep::make(layout_, inputs_.program(), state_, code);
   if (whole_) return;  // what it does not solve is rare
+  if (together_) together_->use(code);
   for (const auto& solver : layout_.solvers) solver->use(code);
 }
 

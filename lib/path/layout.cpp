@@ -121,7 +121,6 @@ Layout lay_out(const Prepared& prepared) {
       }
     }
   }
-  if (together) out.size += 2;  // see InputRow
   for (Pack& pack : out.packs) {
     const GroupSolver& solver = *out.solvers[idx(pack.group_class)];
     const std::size_t w = idx(solver.lanes()), count = idx(solver.program().inputs);

@@ -27,7 +27,7 @@ Levels::Levels(const Prepared& prepared, Layout& layout, std::span<const int> pi
     : packs_(layout.packs), solvers_(layout.solvers), all_(layout.packs.size()) {
   std::iota(all_.begin(), all_.end(), 0);
   const bool together = prepared.plan.run.together;
-  const std::size_t most = together ? Together::packs(prepared) : widest_level(packs_);
+  const std::size_t most = together ? Together::shares(*prepared.structure) : widest_level(packs_);
   const auto threads = static_cast<int>(std::min(idx(prepared.plan.run.threads), most));
   if (threads < 2) return;
   schedule(prepared.plan, threads);

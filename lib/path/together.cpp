@@ -5,17 +5,13 @@
 #include <utility>
 
 #include "index.hpp"
+#include "equations/separable.hpp"
 #include "program/step_rules.hpp"
 
 namespace assur {
 namespace {
 
-constexpr std::size_t kZeros = kMostLanes;  // numbers at the beginning of each array of a Coupling
-
-// The larger one; NaN if one is NaN.
-void raise(double& to, double by) {
-  if (!(by <= to)) to = by;
-}
+constexpr std::size_t up(std::size_t count, std::size_t to) { return (count + to - 1) / to; }
 
 }  // namespace
 
@@ -24,34 +20,32 @@ Together::Together(const Prepared& prepared, Layout& layout, Team* team)
       layout_(layout),
       pack_of_(structure_.groups.size()),
       team_(team),
-      shares_(team != nullptr ? idx(team->size()) : 1),
-      chain_(chain_of_loads()) {
+      threads_(team != nullptr ? idx(team->size()) : 1),
+      kernels_(coupling_kernels()) {
   for (std::size_t p = 0; p < layout.packs.size(); ++p) {
     pack_of_[idx(layout.packs[p].groups[0])] = static_cast<std::int32_t>(p);
   }
-  make_steps(prepared);
-  std::size_t pack = 0, packs = Together::packs(prepared);
-  for (Class& c : classes_) fill_packs(c, pack, packs);
-  for (Class& c : classes_) find_parts(c);
+  make_classes();
+  for (Class& c : classes_) sort_entries(c);
+  divide();
+  for (Class& c : classes_) {
+    for (Share& share : c.shares) fill(c, share);
+  }
   make_rows();
   prediction_.resize(layout.size - layout.first_unknown);
 }
 
 // ---- preparation
 
-std::size_t Together::packs(const Prepared& prepared) {
-  const Structure& s = *prepared.structure;
-  std::vector<std::size_t> groups(s.classes.size(), 0);
-  for (const Group& g : s.groups) ++groups[idx(g.group_class)];
-  std::size_t packs = 0;
-  for (std::size_t c = 0; c < groups.size(); ++c) {
-    const std::size_t lanes = idx(prepared.plan.choices[c].solver.lanes);
-    packs += (groups[c] + lanes - 1) / lanes;
-  }
-  return packs;
+std::size_t Together::shares(const Structure& structure) {
+  std::vector<std::size_t> groups(structure.classes.size(), 0);
+  for (const Group& g : structure.groups) ++groups[idx(g.group_class)];
+  std::size_t shares = 0;
+  for (const std::size_t count : groups) shares += up(count, kTogetherLanes);
+  return shares;
 }
 
-void Together::make_steps(const Prepared& prepared) {
+void Together::make_classes() {
   classes_.resize(structure_.classes.size());
   sources_.resize(layout_.address.size());
   for (std::size_t g = 0; g < structure_.groups.size(); ++g) {
@@ -63,100 +57,77 @@ void Together::make_steps(const Prepared& prepared) {
     }
     c.groups.push_back(static_cast<std::int32_t>(g));
   }
-  std::size_t unknowns = kZeros, loads = kZeros;
+  std::size_t unknowns = 0, loads = 0;
   for (std::size_t k = 0; k < classes_.size(); ++k) {
     Class& c = classes_[k];
     const GroupClass& of = structure_.classes[k];
-    std::vector<std::uint8_t> computed(idx(of.inputs), 0);
-    for (const std::int32_t g : c.groups) {
-      const std::vector<std::int32_t>& inputs = structure_.groups[idx(g)].inputs;
-      for (std::size_t i = 0; i < inputs.size(); ++i) {
-        if (sources_[idx(inputs[i])].of_class >= 0) computed[i] = 1;
-      }
-    }
-    c.lanes = prepared.plan.choices[k].solver.lanes;
+    c.solver = layout_.solvers[k].get();
     c.derivatives = of.derivatives;
     derivatives_ = std::max(derivatives_, c.derivatives);
-    c.solver = layout_.solvers[k].get();
-    for (std::size_t rank = 0; rank < shares_.size(); ++rank) {
-      c.steps.push_back(c.solver->together_step(computed, c.lanes));
+    c.places = up(c.groups.size(), kTogetherLanes) * kTogetherLanes;
+    std::vector<std::uint8_t> computed(idx(of.inputs), 0);
+    for (std::int32_t i = 0; i < of.inputs; ++i) {
+      for (std::size_t place = 0; place < c.groups.size(); ++place) {
+        if (source(c, place, i).of_class >= 0) computed[idx(i)] = 1;
+      }
     }
-    const std::size_t w = idx(c.lanes), groups = (c.groups.size() + w - 1) / w * w;
-    c.places = {unknowns, loads, 0, groups};
-    unknowns += idx(of.n) * groups;
-    loads += idx(c.step().rows()) * groups;
+    c.slopes = slopes_of(c.solver->program(), *separate(c.solver->program(), of.input_moves), computed);
+    c.unknowns = unknowns;
+    c.loads = loads;
+    unknowns += idx(of.n) * c.places;
+    loads += idx(c.slopes.rows()) * c.places;
+
+    const Pack& single = pack(c, 0);
+    c.coefficients.resize(single.coefficients.size() * c.places);
+    for (std::size_t place = 0; place < c.places; ++place) {
+      const LaneArray& from = pack(c, place).coefficients;
+      for (std::size_t i = 0; i < from.size(); ++i) c.coefficients[i * c.places + place] = from[i];
+    }
+    c.anchor.resize(single.anchor.size() * c.places);
+    c.omega.resize(c.places);
+    c.balls_used.resize(c.places);
+    c.balls_used_before = c.balls_used;
+    for (std::size_t place = 0; place < c.groups.size(); ++place) {
+      pack(c, place).ball_used = std::span(c.balls_used).subspan(place, 1);
+    }
+    c.pivots.resize(pivots_of_group_step(of) * c.places);
+    c.work.resize(work_of_together_step(of) * c.places);
+    c.figures.resize(kTogetherFigures * c.places);
+    c.of_slopes.resize(c.slopes.entries.size() * c.places);
+    for (LaneArray* const inputs : {&c.inputs[0], &c.inputs[1], &c.inputs[2], &c.known_rates, &c.sources}) {
+      inputs->resize(idx(of.inputs) * c.places);
+    }
   }
-  coupling_.own.resize(unknowns);
-  coupling_.change.resize(unknowns);
-  for (LaneArray& column : coupling_.columns) column.resize(unknowns);
-  coupling_.loads.resize(loads);
+  for (LaneArray* const all : {&own_, &change_, &columns_[0], &columns_[1], &columns_[2], &unknowns_[0], &unknowns_[1],
+                               &unknowns_[2]}) {
+    all->resize(unknowns);
+  }
+  loads_.resize(loads);
 }
 
+const Group& Together::group(const Class& c, std::size_t place) const {
+  return structure_.groups[idx(c.groups[place < c.groups.size() ? place : 0])];
+}
+Pack& Together::pack(const Class& c, std::size_t place) const {
+  return layout_.packs[idx(pack_of_[idx(c.groups[place < c.groups.size() ? place : 0])])];
+}
+Together::Source Together::source(const Class& c, std::size_t place, std::int32_t input) const {
+  return sources_[idx(group(c, place).inputs[idx(input)])];
+}
+// In the arrays of unknowns.
 std::int32_t Together::address(const Source& source) const {
-  if (source.of_class < 0) return 0;
-  const TogetherStep::Places& at = classes_[idx(source.of_class)].places;
-  return static_cast<std::int32_t>(at.unknowns + idx(source.unknown) * at.groups + idx(source.place));
+  const Class& of = classes_[idx(source.of_class)];
+  return static_cast<std::int32_t>(of.unknowns + idx(source.unknown) * of.places + idx(source.place));
 }
 
-// The source of an entry of a class in one of its groups.
-Together::Source Together::source(const Class& c, std::int32_t group, std::size_t entry) const {
-  return sources_[idx(structure_.groups[idx(group)].inputs[idx(c.step().entries()[entry].input)])];
-}
-
-// Each thread gets consecutive packs of all classes. pack_number: that of the first pack of the class.
-void Together::fill_packs(Class& c, std::size_t& pack_number, std::size_t packs) {
-  const std::size_t w = idx(c.lanes);
-  c.balls_used.assign(c.places.groups, 0.0);
-  c.balls_used_before = c.balls_used;
-  for (std::size_t place = 0; place < c.groups.size(); ++place) {
-    layout_.packs[idx(pack_of_[idx(c.groups[place])])].ball_used = std::span(c.balls_used).subspan(place, 1);
-  }
-  for (std::size_t first = 0; first < c.groups.size(); first += w) {
-    TogetherPack& to = c.steps[pack_number++ * c.steps.size() / packs]->packs().emplace_back();
-    Pack& pack = to.pack;
-    to.place = first;
-    pack.group_class = structure_.groups[idx(c.groups[first])].group_class;
-    pack.used = static_cast<std::int32_t>(std::min(w, c.groups.size() - first));
-    pack.groups.assign(c.groups.begin() + static_cast<std::ptrdiff_t>(first),
-                       c.groups.begin() + static_cast<std::ptrdiff_t>(first) + pack.used);
-    const Pack& single = layout_.packs[idx(pack_of_[idx(pack.groups[0])])];
-    pack.coefficients.resize(single.coefficients.size() * w);
-    pack.anchor.resize(single.anchor.size() * w);
-    pack.omega.resize(w);
-    pack.ball_used = std::span(c.balls_used).subspan(first, w);
-    const std::size_t n = idx(structure_.classes[idx(pack.group_class)].n), inputs = single.inputs.size();
-    to.unknowns.addresses.resize(n * w);
-    pack.inputs.resize(inputs * w);
-    to.known.addresses.resize(inputs * w);
-    for (std::size_t lane = 0; lane < w; ++lane) {
-      const std::int32_t g = pack.groups[lane < pack.groups.size() ? lane : 0];
-      const Pack& one = layout_.packs[idx(pack_of_[idx(g)])];
-      for (std::size_t i = 0; i < one.coefficients.size(); ++i) pack.coefficients[i * w + lane] = one.coefficients[i];
-      for (std::size_t i = 0; i < n; ++i) {
-        to.unknowns.addresses[i * w + lane] = static_cast<std::int32_t>(one.unknowns + i);
-      }
-      for (std::size_t i = 0; i < inputs; ++i) {
-        const bool computed = sources_[idx(structure_.groups[idx(g)].inputs[i])].of_class >= 0;
-        pack.inputs[i * w + lane] = one.inputs[i];
-        to.known.addresses[i * w + lane] = computed ? 0 : one.inputs[i];  // the coordinate `one` has no rates
-        to.driven = to.driven || (!computed && structure_.classes[idx(pack.group_class)].input_moves[i] != 0);
-      }
-    }
-    to.unknowns.rows = address_rows(to.unknowns.addresses, w);
-    pack.input_rows = address_rows(pack.inputs, w);
-    to.known.rows = address_rows(to.known.addresses, w);
-  }
-}
-
-// Entries of a row that read the same group in every lane become one part.
-void Together::find_parts(Class& c) {
-  const std::span<TogetherStep::Entry> entries = c.step().entries();
-  std::vector<std::int32_t> columns;
+// Entries of a row that read the same group everywhere become one part. Their gains follow.
+void Together::sort_entries(Class& c) {
+  std::vector<Slopes::Entry>& entries = c.slopes.entries;
   std::vector<std::vector<Source>> of_parts;  // of the current row: the source of each group
   for (std::size_t e = 0; e < entries.size(); ++e) {
     if (e == 0 || entries[e].row != entries[e - 1].row) of_parts.clear();
     std::vector<Source> reads;
-    for (const std::int32_t g : c.groups) reads.push_back(source(c, g, e));
+    for (std::size_t place = 0; place < c.groups.size(); ++place) reads.push_back(source(c, place, entries[e].input));
     const auto fits = [&](const std::vector<Source>& part) {
       for (std::size_t g = 0; g < reads.size(); ++g) {
         const bool both = reads[g].of_class >= 0 && part[g].of_class >= 0;
@@ -174,33 +145,118 @@ void Together::find_parts(Class& c) {
       }
     }
   }
+  const auto part_of = [](const Slopes::Entry& e) { return std::pair(e.row, e.part); };
   std::stable_sort(entries.begin(), entries.end(),
-                   [](const auto& a, const auto& b) { return std::pair(a.row, a.part) < std::pair(b.row, b.part); });
-  for (std::size_t e = 0; e < entries.size(); ++e) {
-    const bool begins = e == 0 || entries[e].row != entries[e - 1].row || entries[e].part != entries[e - 1].part;
-    if (begins) columns.push_back(0);
-    for (const std::int32_t g : c.groups) {
-      if (const Source s = source(c, g, e); s.of_class >= 0) {
-        columns.back() = std::max(columns.back(), classes_[idx(s.of_class)].step().rows());
-      }
-    }
-  }
-  const std::size_t w = idx(c.lanes);
-  c.places.gains = coupling_.gains.size();
-  for (const auto& step : c.steps) {
-    std::copy(entries.begin(), entries.end(), step->entries().begin());
-    for (TogetherPack& pack : step->packs()) {
-      for (std::size_t e = 0; e < entries.size(); ++e) {
-        for (std::size_t lane = 0; lane < w; ++lane) {
-          const std::size_t l = lane < pack.pack.groups.size() ? lane : 0;
-          pack.sources.addresses.push_back(address(source(c, pack.pack.groups[l], e)));
+                   [&](const auto& a, const auto& b) { return part_of(a) < part_of(b); });
+  for (std::size_t begin = 0, end = 0; begin < entries.size(); begin = end) {
+    std::int32_t columns = 0;
+    for (; end < entries.size() && part_of(entries[end]) == part_of(entries[begin]); ++end) {
+      for (std::size_t place = 0; place < c.groups.size(); ++place) {
+        if (const Source s = source(c, place, entries[end].input); s.of_class >= 0) {
+          columns = std::max(columns, classes_[idx(s.of_class)].slopes.rows());
         }
       }
-      pack.sources.rows = address_rows(pack.sources.addresses, w);
     }
-    step->place(c.places, columns);
+    for (std::int32_t of = 0; of < columns; ++of) {
+      c.gains.push_back({entries[begin].row, of, static_cast<std::int32_t>(begin), static_cast<std::int32_t>(end)});
+    }
   }
-  coupling_.gains.resize(coupling_.gains.size() + c.step().gains().size() * c.places.groups);
+  c.first_gain = gains_.size();
+  gains_.resize(gains_.size() + c.gains.size() * c.places);
+}
+
+// Each thread gets consecutive places of all classes.
+void Together::divide() {
+  const std::size_t all = shares(structure_);
+  std::size_t next = 0;  // kTogetherLanes places at a time
+  for (Class& c : classes_) {
+    for (std::size_t rank = 0; rank < threads_; ++rank) {
+      const auto begin = [&](std::size_t r) {
+        return std::clamp(up(r * all, threads_), next, next + c.places / kTogetherLanes) - next;
+      };
+      const std::size_t first = begin(rank) * kTogetherLanes, end = begin(rank + 1) * kTogetherLanes;
+      c.shares.push_back({first, end - first, {}, {}, {}, nullptr, {}});
+    }
+    next += c.places / kTogetherLanes;
+  }
+}
+
+TogetherClass Together::outline(const Class& c) const {
+  return {c.solver->group_class(), c.solver->program(), c.solver->blocks().reads(0), c.slopes};
+}
+
+void Together::fill(Class& c, Share& share) {
+  if (share.lanes == 0) return;
+  add_runs(c, share);
+  share.step = make_together_step(outline(c), {c.places, static_cast<int>(share.lanes)});
+  const auto put = [&](std::size_t memory, LaneArray& numbers, std::size_t begin = 0) {
+    share.memory[memory] = numbers.data() + begin + share.first;
+  };
+  const auto of = [](Memory m) { return static_cast<std::size_t>(m); };
+  put(of(Memory::coefficients), c.coefficients);
+  put(of(Memory::inputs), c.inputs[0]);
+  put(of(Memory::input_rates), c.inputs[1]);
+  put(of(Memory::input_accelerations), c.inputs[2]);
+  put(of(Memory::pivots), c.pivots);
+  put(of(Memory::anchor), c.anchor);
+  put(of(Memory::omega), c.omega);
+  put(of(Memory::ball_used), c.balls_used);
+  put(of(Memory::work), c.work);
+  put(of(Memory::figures), c.figures);
+  put(of(Memory::slopes), c.of_slopes);
+  put(of(Memory::sources), c.sources);
+  put(of(Memory::loads), loads_, c.loads);
+  put(of(Memory::own), own_, c.unknowns);
+  put(of(Memory::change), change_, c.unknowns);
+  put(of(Memory::unknowns), unknowns_[0], c.unknowns);
+  put(of(Memory::rates), unknowns_[1], c.unknowns);
+  put(of(Memory::accelerations), unknowns_[2], c.unknowns);
+  for (std::size_t k = 0; k < kMostCoupledRows; ++k) put(kColumns + k, columns_[k], c.unknowns);
+  share.memory[of(Memory::settings)] = settings_.data();
+}
+
+// What a share reads of the state and of other groups.
+void Together::add_runs(const Class& c, Share& share) const {
+  const auto add = [](std::vector<Run>& runs, std::size_t to, std::int32_t from, std::int32_t most_step) {
+    const auto at = static_cast<std::int32_t>(to);
+    if (!runs.empty() && runs.back().to + runs.back().count == at) {
+      Run& last = runs.back();
+      const std::int32_t step = from - (last.from + (last.count - 1) * last.step);
+      if (step >= 0 && step <= most_step && (last.count == 1 || step == last.step)) {
+        last.step = step;
+        ++last.count;
+        return;
+      }
+    }
+    runs.push_back({at, from, 1, 0});
+  };
+  const GroupClass& of = c.solver->group_class();
+  for (std::int32_t i = 0; i < of.inputs; ++i) {
+    for (std::size_t place = share.first; place < share.first + share.lanes; ++place) {
+      const Source from = source(c, place, i);
+      const std::size_t to = idx(i) * c.places + place;
+      if (from.of_class >= 0) {
+        add(share.computed, to, address(from), 3);
+      } else if (of.input_moves[idx(i)] != 0) {
+        add(share.known, to, pack(c, place).inputs[idx(i)], 3);
+      }
+    }
+  }
+  for (std::size_t j = 0; j < idx(of.n); ++j) {
+    for (std::size_t place = share.first; place < share.first + share.lanes; ++place) {
+      add(share.unknowns, c.unknowns + j * c.places + place, static_cast<std::int32_t>(pack(c, place).unknowns + j), 3);
+    }
+  }
+}
+
+void Together::use(StepCode& code) {
+  for (Class& c : classes_) {
+    for (Share& share : c.shares) {
+      if (share.lanes == 0) continue;
+      auto coded = make_coded_together_step(outline(c), {c.places, static_cast<int>(share.lanes)}, code);
+      if (coded) share.step = std::move(coded);
+    }
+  }
 }
 
 void Together::make_rows() {
@@ -208,31 +264,29 @@ void Together::make_rows() {
   for (const Group& group : structure_.groups) {
     const Class& c = classes_[idx(group.group_class)];
     const std::size_t place = next[idx(group.group_class)]++;
-    const std::span<const TogetherStep::Gain> gains = c.step().gains();
-    for (std::int32_t k = 0; k < c.step().rows(); ++k) {
-      Row row{static_cast<std::int32_t>(c.places.loads + idx(k) * c.places.groups + place),
-              static_cast<std::int32_t>(links_.size()), 0};
-      for (std::size_t j = 0; j < gains.size(); ++j) {
-        if (gains[j].row != k) continue;
+    for (std::int32_t k = 0; k < c.slopes.rows(); ++k) {
+      Row row{static_cast<std::int32_t>(c.loads + idx(k) * c.places + place), static_cast<std::int32_t>(links_.size()),
+              0};
+      for (std::size_t j = 0; j < c.gains.size(); ++j) {
+        if (c.gains[j].row != k) continue;
         Source from;
-        for (std::int32_t e = gains[j].begin; e < gains[j].end && from.of_class < 0; ++e) {
-          from = source(c, c.groups[place], idx(e));
+        for (std::int32_t e = c.gains[j].begin; e < c.gains[j].end && from.of_class < 0; ++e) {
+          from = source(c, place, c.slopes.entries[idx(e)].input);
         }
-        if (from.of_class < 0 || gains[j].of >= classes_[idx(from.of_class)].step().rows()) continue;
-        const TogetherStep::Places& of = classes_[idx(from.of_class)].places;
-        links_.push_back({static_cast<std::int32_t>(c.places.gains + j * c.places.groups + place),
-                          static_cast<std::int32_t>(of.loads + idx(gains[j].of) * of.groups + idx(from.place))});
+        if (from.of_class < 0 || c.gains[j].of >= classes_[idx(from.of_class)].slopes.rows()) continue;
+        const Class& other = classes_[idx(from.of_class)];
+        links_.push_back({static_cast<std::int32_t>(c.first_gain + j * c.places + place),
+                          static_cast<std::int32_t>(other.loads + idx(c.gains[j].of) * other.places + idx(from.place))});
       }
       row.end = static_cast<std::int32_t>(links_.size());
       add_row(row);
     }
   }
   for (const Class& c : classes_) {
-    const std::size_t w = idx(c.lanes), last = c.places.groups - w;
-    for (std::int32_t k = 0; k < c.step().rows(); ++k) {
-      const std::size_t row = c.places.loads + idx(k) * c.places.groups;
-      for (std::size_t place = c.groups.size(); place < c.places.groups; ++place) {
-        idle_.push_back({static_cast<std::int32_t>(row + place), static_cast<std::int32_t>(row + last)});
+    for (std::int32_t k = 0; k < c.slopes.rows(); ++k) {
+      const std::size_t row = c.loads + idx(k) * c.places;
+      for (std::size_t place = c.groups.size(); place < c.places; ++place) {
+        idle_.push_back({static_cast<std::int32_t>(row + place), static_cast<std::int32_t>(row)});
       }
     }
   }
@@ -257,18 +311,14 @@ void Together::add_row(const Row& row) {
 
 bool Together::solve(double* const (&state)[3], const Attempt& attempt, Counters& counters, StepErrors& errors) {
   if (!up_to_date_) take(state[0]);
-  std::copy_n(state[0] + layout_.first_unknown, prediction_.size(), prediction_.begin());
-  TogetherFigures figures{std::max(errors.position, 0.0), std::max(errors.velocity, 0.0),
-                          std::max(errors.acceleration, 0.0)};
-  int iterations = 0;
+  int corrections = 0;
+  if (!converge(state, attempt, corrections)) return false;
+  derive();
+  if (largest(TogetherFigure::failed) > 0) return false;
   Counters more;
-  bool solved = converge(state, attempt, iterations, figures);
-  if (solved) {
-    derive(state, figures);
-    solved = std::isfinite(figures.position + figures.velocity + figures.acceleration) &&
-             keep_on_branch(state, attempt, more);
-  }
-  if (!solved) {
+  std::copy_n(state[0] + layout_.first_unknown, prediction_.size(), prediction_.begin());
+  write(state);
+  if (!keep_on_branch(state, attempt, more)) {
     undo(attempt.number);
     for (Pack& pack : layout_.packs) pack.undo(attempt.number);
     std::copy(prediction_.begin(), prediction_.end(), state[0] + layout_.first_unknown);
@@ -276,95 +326,162 @@ bool Together::solve(double* const (&state)[3], const Attempt& attempt, Counters
     return false;
   }
   counters += more;
-  count(iterations, counters);
-  if (figures.position > std::max({errors.position, kConverged, attempt.converged})) {
-    figures.position = std::max(errors.position, 0.0);
-    for (Class& c : classes_) {
-      for (const std::int32_t g : c.groups) {
-        figures.position =
-            std::max(figures.position, c.solver->residual_of(layout_.packs[idx(pack_of_[idx(g)])], state[0]));
-      }
+  count(corrections, counters);
+  double position = largest(TogetherFigure::position);
+  if (position > std::max({errors.position, kConverged, attempt.converged})) {
+    position = 0;
+    for (const Pack& pack : layout_.packs) {
+      position = std::max(position, layout_.solvers[idx(pack.group_class)]->residual_of(pack, state[0]));
     }
   }
-  errors.position = std::max(errors.position, figures.position);
-  if (derivatives_ > 0) errors.velocity = std::max(errors.velocity, figures.velocity);
-  if (derivatives_ > 1) errors.acceleration = std::max(errors.acceleration, figures.acceleration);
+  errors.position = std::max(errors.position, position);
+  if (derivatives_ > 0) errors.velocity = std::max(errors.velocity, largest(TogetherFigure::velocity));
+  if (derivatives_ > 1) errors.acceleration = std::max(errors.acceleration, largest(TogetherFigure::acceleration));
   return true;
 }
 
-// Each thread calls the works, one after the other, for its packs of every class; all threads meet between two works.
+// Each thread calls the works, one after the other, for its share of every class; all threads meet between two works.
 template <class... Works>
 void Together::pass(const Works&... works) {
-  const auto part = [&](int rank) {
+  const auto part = [&](std::size_t rank) {
     bool first = true;
     const auto one = [&](const auto& work) {
       if (!std::exchange(first, false) && team_ != nullptr) team_->barrier();
-      for (Class& c : classes_) work(*c.steps[idx(rank)], shares_[idx(rank)]);
+      for (Class& c : classes_) {
+        if (c.shares[rank].lanes > 0) work(c, c.shares[rank]);
+      }
     };
     (one(works), ...);
   };
   if (team_ != nullptr) {
-    team_->run(part);
+    team_->run([&](int rank) { part(idx(rank)); });
   } else {
     part(0);
   }
 }
 
-bool Together::converge(double* const (&state)[3], const Attempt& attempt, int& iterations, TogetherFigures& figures) {
-  using Progress = TogetherStep::Progress;
-  const double before = figures.position;
-  for (;; ++iterations) {
-    for (Share& share : shares_) share = {{before, 0, 0}, Progress::solved};
-    pass([&](TogetherStep& step, Share& share) {
-      if (share.progress == Progress::failed) return;
-      share.progress =
-          std::min(share.progress, step.linearise(state[0], iterations, attempt.converged, coupling_, share.figures));
-    });
-    Progress progress = Progress::solved;
-    for (const Share& share : shares_) progress = std::min(progress, share.progress);
-    if (progress == Progress::failed) return false;
-    if (progress == Progress::solved) {
-      for (const Share& share : shares_) raise(figures.position, share.figures.position);
-      return true;
-    }
-    if (iterations == attempt.most_iterations) return false;
-    pass([&](TogetherStep& step, Share&) { step.couple(coupling_, true); });
+bool Together::converge(double* const (&state)[3], const Attempt& attempt, int& corrections) {
+  const auto set = [&](GroupSetting s, double to) { settings_[slot_of(s).index] = to; };
+  set(GroupSetting::converged_at, attempt.converged);
+  pass(
+      [&](Class& c, Share& share) {
+        kernels_.gather(share.known, state[0], c.inputs[0].data());
+        if (c.derivatives > 0) {
+          kernels_.gather(share.known, state[1], c.known_rates.data());
+          kernels_.gather(share.known, state[1], c.inputs[1].data());
+        }
+        if (c.derivatives > 1) kernels_.gather(share.known, state[2], c.inputs[2].data());
+        kernels_.gather(share.unknowns, state[0], unknowns_[0].data());
+      },
+      [&](Class& c, Share& share) {
+        kernels_.gather(share.computed, unknowns_[0].data(), c.inputs[0].data());
+        share.step->run(TogetherPass::begin, share.memory);
+      });
+  while (largest(TogetherFigure::failed) <= 0) {
+    if (largest(TogetherFigure::open) <= 0) return true;
+    if (corrections == attempt.most_iterations) return false;
+    pass([&](Class& c, Share& share) { couple(c, share, own_, true); });
     complete_loads();
-    pass([&](TogetherStep& step, Share&) { step.correct(state[0], coupling_); });
+    set(GroupSetting::corrections, ++corrections);
+    pass(
+        [&](Class& c, Share& share) {
+          complete(c, share, change_);
+          kernels_.add(change_.data() + c.unknowns + share.first, idx(c.solver->program().n), c.places, share.lanes,
+                       unknowns_[0].data() + c.unknowns + share.first);
+        },
+        [&](Class& c, Share& share) {
+          if (corrections == 1) {
+            kernels_.gather(share.computed, change_.data(), c.sources.data());
+            share.step->run(TogetherPass::approach, share.memory);
+          }
+          kernels_.gather(share.computed, unknowns_[0].data(), c.inputs[0].data());
+          share.step->run(TogetherPass::linearise, share.memory);
+        });
+  }
+  return false;
+}
+
+void Together::derive() {
+  if (derivatives_ > 0) {
+    pass(
+        [&](Class& c, Share& share) {
+          if (c.derivatives < 1) return;
+          share.memory[static_cast<std::size_t>(Memory::input_rates)] = c.known_rates.data() + share.first;
+          share.step->run(TogetherPass::rates, share.memory);
+        },
+        [&](Class& c, Share& share) {
+          if (c.derivatives > 0) couple(c, share, own_, true);
+        });
+    complete_loads();
+    pass(
+        [&](Class& c, Share& share) {
+          if (c.derivatives > 0) complete(c, share, unknowns_[1]);
+        },
+        [&](Class& c, Share& share) {
+          if (c.derivatives < 1) return;
+          kernels_.gather(share.computed, unknowns_[1].data(), c.inputs[1].data());
+          share.memory[static_cast<std::size_t>(Memory::input_rates)] = c.inputs[1].data() + share.first;
+          share.step->run(TogetherPass::accelerations, share.memory);
+        });
+  }
+  if (derivatives_ > 1) {
+    pass([&](Class& c, Share& share) {
+      if (c.derivatives > 1) couple(c, share, own_, false);
+    });
+    complete_loads();
+    pass(
+        [&](Class& c, Share& share) {
+          if (c.derivatives > 1) complete(c, share, unknowns_[2]);
+        },
+        [&](Class& c, Share& share) {
+          if (c.derivatives > 1) couple(c, share, unknowns_[2], false);
+        });
+  }
+  pass([&](Class&, Share& share) { share.step->run(TogetherPass::finish, share.memory); });
+}
+
+// Computes the loads of given changes of other groups, and the gains.
+void Together::couple(Class& c, Share& share, const LaneArray& changes, bool with_gains) {
+  const std::vector<Slopes::Entry>& entries = c.slopes.entries;
+  if (entries.empty()) return;
+  const auto sum = [&](std::size_t begin, std::size_t end, double* to) {
+    kernels_.couple(std::span(entries).subspan(begin, end - begin), begin, c.of_slopes.data() + share.first,
+                    c.sources.data() + share.first, c.places, share.lanes, to + share.first);
+  };
+  kernels_.gather(share.computed, changes.data(), c.sources.data());
+  for (std::size_t begin = 0, end = 0; begin < entries.size(); begin = end) {
+    const std::int32_t row = entries[begin].row;
+    while (end < entries.size() && entries[end].row == row) ++end;
+    sum(begin, end, loads_.data() + c.loads + idx(row) * c.places);
+  }
+  for (std::size_t of = 0; with_gains && of < kMostCoupledRows; ++of) {
+    bool gathered = false;
+    for (std::size_t k = 0; k < c.gains.size(); ++k) {
+      const Gain& g = c.gains[k];
+      if (idx(g.of) != of) continue;
+      if (!std::exchange(gathered, true)) kernels_.gather(share.computed, columns_[of].data(), c.sources.data());
+      sum(idx(g.begin), idx(g.end), gains_.data() + c.first_gain + k * c.places);
+    }
   }
 }
 
-void Together::derive(double* const (&state)[3], TogetherFigures& figures) {
-  if (derivatives_ < 1) return;
-  for (Share& share : shares_) share.figures = figures;
-  const auto finite = [&] {
-    for (const Share& share : shares_) {
-      raise(figures.velocity, share.figures.velocity);
-      raise(figures.acceleration, share.figures.acceleration);
-    }
-    return std::isfinite(figures.velocity + figures.acceleration);
-  };
-  pass([&](TogetherStep& step, Share&) { step.own_rates(state, coupling_); },
-       [&](TogetherStep& step, Share&) { step.couple(coupling_, true); });
-  complete_loads();
-  pass([&](TogetherStep& step, Share&) { step.finish_rates(state, coupling_); },
-       [&](TogetherStep& step, Share& share) { step.own_accelerations(state, coupling_, share.figures); });
-  if (!finite() || derivatives_ < 2) return;
-  pass([&](TogetherStep& step, Share&) { step.couple(coupling_, false); });
-  complete_loads();
-  pass([&](TogetherStep& step, Share&) { step.finish_accelerations(state, coupling_); },
-       [&](TogetherStep& step, Share& share) { step.measure_accelerations(coupling_, share.figures); });
-  (void)finite();
+// The changes of a share with all loads.
+void Together::complete(const Class& c, const Share& share, LaneArray& to) const {
+  const std::size_t at = c.unknowns + share.first;
+  const double* columns[kMostCoupledRows];
+  for (std::size_t k = 0; k < kMostCoupledRows; ++k) columns[k] = columns_[k].data() + at;
+  kernels_.complete(own_.data() + at, columns, loads_.data() + c.loads + share.first, idx(c.solver->program().n),
+                    idx(c.slopes.rows()), c.places, share.lanes, to.data() + at);
 }
 
 // The recurrence through the levels.
 void Together::complete_loads() {
-  double* const loads = coupling_.loads.data();
-  const double* const gains = coupling_.gains.data();
+  double* const loads = loads_.data();
+  const double* const gains = gains_.data();
   for (const Row& row : rows_) {
     if (row.end - row.begin == 1) {
       const Link& link = links_[idx(row.begin)];
-      chain_(gains + link.gain, loads[link.load], row.chain, loads + row.at);
+      kernels_.chain(gains + link.gain, loads[link.load], row.chain, loads + row.at);
       continue;
     }
     double sum = loads[row.at];
@@ -374,31 +491,37 @@ void Together::complete_loads() {
   for (const Copy& copy : idle_) loads[copy.to] = loads[copy.from];
 }
 
+double Together::largest(TogetherFigure f) const {
+  double out = 0;
+  for (const Class& c : classes_) {
+    out = std::max(out, kernels_.largest(c.figures.data() + static_cast<std::size_t>(f) * c.places, c.places));
+  }
+  return out;
+}
+
+// Writes the solution to the state.
+void Together::write(double* const (&state)[3]) {
+  pass([&](Class& c, Share& share) {
+    for (int d = 0; d <= c.derivatives; ++d) kernels_.scatter(share.unknowns, state[d], unknowns_[idx(d)].data());
+  });
+}
+
 bool Together::keep_on_branch(double* const (&state)[3], const Attempt& attempt, Counters& counters) {
   balls_of_ = attempt.number;
   for (Class& c : classes_) c.balls_used_before = c.balls_used;
   for (Class& c : classes_) {
-    const std::size_t w = idx(c.lanes);
-    for (const auto& step : c.steps) {
-      for (std::size_t p = 0; p < step->packs().size(); ++p) {
-        TogetherPack& pack = step->packs()[p];
-        const double* used = step->balls_used().data() + p * w;
-        if (step->balls_last()[p] != 0) {
-          std::copy_n(used, w, pack.pack.ball_used.begin());
-          continue;
-        }
-        for (std::size_t lane = 0; lane < idx(pack.pack.used); ++lane) {
-          if (BranchGuard::stays_inside(used[lane], pack.pack.ball_used[lane])) continue;
-          Pack& single = layout_.packs[idx(pack_of_[idx(pack.pack.groups[lane])])];
-          if (!c.solver->renew_anchor(single, state, attempt, counters).ok()) return false;
-          take_lane(pack, lane, w);
-          for (std::size_t idle = idx(pack.pack.used); lane == 0 && idle < w; ++idle) take_lane(pack, idle, w);
-        }
-        for (std::size_t idle = idx(pack.pack.used); idle < w; ++idle) {
-          pack.pack.ball_used[idle] = pack.pack.ball_used[0];
-        }
-      }
+    const auto row = [&](TogetherFigure f) { return c.figures.data() + static_cast<std::size_t>(f) * c.places; };
+    const double *const used = row(TogetherFigure::ball_used), *const needs_anchor = row(TogetherFigure::needs_anchor);
+    std::copy_n(used, c.places, c.balls_used.begin());
+    if (kernels_.largest(needs_anchor, c.places) <= 0) continue;
+    for (std::size_t place = 0; place < c.groups.size(); ++place) {
+      if (needs_anchor[place] <= 0) continue;
+      c.balls_used[place] = c.balls_used_before[place];
+      if (!c.solver->renew_anchor(pack(c, place), state, attempt, counters).ok()) return false;
+      take_guard(c, place);
+      for (std::size_t idle = c.groups.size(); place == 0 && idle < c.places; ++idle) take_guard(c, idle);
     }
+    std::fill(c.balls_used.begin() + std::ssize(c.groups), c.balls_used.end(), c.balls_used[0]);
   }
   return true;
 }
@@ -409,42 +532,45 @@ void Together::undo(std::int64_t attempt) {
   for (Class& c : classes_) std::copy(c.balls_used_before.begin(), c.balls_used_before.end(), c.balls_used.begin());
 }
 
-void Together::count(int iterations, Counters& counters) const {
+void Together::count(int corrections, Counters& counters) const {
   for (const Class& c : classes_) {
     const auto groups = static_cast<std::int64_t>(c.groups.size());
     const std::int64_t unknowns = groups * c.solver->program().n;
-    const std::int64_t right_sides = iterations + c.derivatives + (iterations + 1) * c.step().rows();
+    const std::int64_t right_sides = corrections + c.derivatives + (corrections + 1) * c.slopes.rows();
     counters.group_solutions += groups;
-    counters.newton_iterations += groups * iterations;
-    counters.evaluated_equations += unknowns * (iterations + 1);
-    counters.factorizations += groups * (iterations + 1);
-    counters.factorized_unknowns += unknowns * (iterations + 1);
+    counters.newton_iterations += groups * corrections;
+    counters.evaluated_equations += unknowns * (corrections + 1);
+    counters.factorizations += groups * (corrections + 1);
+    counters.factorized_unknowns += unknowns * (corrections + 1);
     counters.solved_unknowns += unknowns * right_sides;
   }
-  counters.most_iterations = std::max<std::int64_t>(counters.most_iterations, iterations);
+  counters.most_iterations = std::max<std::int64_t>(counters.most_iterations, corrections);
 }
 
-// Copies the guards of all packs of the layout.
+// Copies the guards of all packs of the layout, and the inputs that no group computes.
 void Together::take(const double* state) {
   for (Class& c : classes_) {
-    const std::size_t w = idx(c.lanes);
-    for (const auto& step : c.steps) {
-      for (TogetherPack& to : step->packs()) {
-        to.pack.swaps.resize(layout_.packs[idx(pack_of_[idx(to.pack.groups[0])])].swaps.size() * w);
-        for (std::size_t lane = 0; lane < w; ++lane) take_lane(to, lane, w);
+    for (std::size_t place = 0; place < c.places; ++place) {
+      take_guard(c, place);
+      const std::vector<std::int32_t>& inputs = pack(c, place).inputs;
+      for (std::size_t i = 0; i < inputs.size(); ++i) {
+        if (source(c, place, static_cast<std::int32_t>(i)).of_class < 0) {
+          c.inputs[0][i * c.places + place] = state[idx(inputs[i])];
+        }
       }
-      step->begin(state);
     }
   }
   up_to_date_ = true;
 }
 
-// Idle lanes repeat the first lane of their pack.
-void Together::take_lane(TogetherPack& to, std::size_t lane, std::size_t lanes) {
-  const Pack& from = layout_.packs[idx(pack_of_[idx(to.pack.groups[lane < to.pack.groups.size() ? lane : 0])])];
-  for (std::size_t i = 0; i < from.swaps.size(); ++i) to.pack.swaps[i * lanes + lane] = from.swaps[i];
-  for (std::size_t i = 0; i < from.anchor.size(); ++i) to.pack.anchor[i * lanes + lane] = from.anchor[i];
-  to.pack.omega[lane] = from.omega[0];
+void Together::take_guard(Class& c, std::size_t place) {
+  const Pack& from = pack(c, place);
+  const auto take = [&](const LaneArray& numbers, LaneArray& to) {
+    for (std::size_t i = 0; i < numbers.size(); ++i) to[i * c.places + place] = numbers[i];
+  };
+  take(from.swaps, c.pivots);
+  take(from.anchor, c.anchor);
+  take(from.omega, c.omega);
 }
 
 }  // namespace assur

@@ -1,9 +1,10 @@
 // The strategy +together: one step of the groups of all levels at once. The groups are linearised at the prediction and
 // factorised side by side, whatever their levels, and only a linear recurrence over their couplings runs through the
-// levels (group/together_step.hpp). This is Newton's method for the whole block triangular system. The tests of a step
-// are those of single groups: residuals, the first correction and the ball of every group, and its anchor.
+// levels (program/together_step.hpp). This is Newton's method for the whole block triangular system. The tests of a
+// step are those of single groups: residuals, the first correction and the ball of every group, and its anchor.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -12,20 +13,25 @@
 #include "assur/plan.hpp"
 #include "assur/report.hpp"
 #include "group/attempt.hpp"
+#include "group/coupling.hpp"
 #include "group/together_step.hpp"
 #include "parallel/team.hpp"
 #include "path/layout.hpp"
+#include "program/group_step.hpp"
 
 namespace assur {
 
-// Packs of several lanes for the groups of a layout with one lane, class by class.
+// The groups of a layout with one lane, side by side in their classes.
 class Together {
  public:
-  // All must outlive it. The plan must have RunSettings::together. team: its threads share the packs; null: one thread
+  // All must outlive it. The plan must have RunSettings::together. team: its threads share the groups; null: one thread
   Together(const Prepared& prepared, Layout& layout, Team* team);
 
-  // Number of packs of several lanes.
-  [[nodiscard]] static std::size_t packs(const Prepared& prepared);
+  // The most threads that have work.
+  [[nodiscard]] static std::size_t shares(const Structure& structure);
+
+  // Takes the passes by machine code, if there is some for them, with the same bits.
+  void use(StepCode& code);
 
   // Makes an attempt inside the branch, like Levels::solve(). False: something is unusual; the state then holds the
   // prediction again, and the packs of the layout are unchanged.
@@ -44,70 +50,100 @@ class Together {
  private:
   // A load of a group and the loads that it depends on.
   struct Row {
-    std::int32_t at;          // index into Coupling::loads
+    std::int32_t at;          // index into loads_
     std::int32_t begin, end;  // links
     std::int32_t chain = 1;   // number of rows from here on that depend only on the row before them, with consecutive
                               // loads and gains
   };
   struct Link {
-    std::int32_t gain, load;  // indices into Coupling::gains and loads
+    std::int32_t gain, load;  // indices into gains_ and loads_
   };
   struct Copy {
     std::int32_t to, from;  // loads
-  };
-  struct Class {
-    std::vector<std::unique_ptr<TogetherStep>> steps;  // threads: each has a part of the packs
-    GroupSolver* solver;                               // solver of the class in the layout
-    std::int32_t lanes, derivatives;
-    std::vector<std::int32_t> groups;  // in solving order
-    TogetherStep::Places places;
-    LaneArray balls_used, balls_used_before;  // Pack::ball_used by place, now and before the attempt `balls_of_`
-
-    [[nodiscard]] TogetherStep& step() const { return *steps[0]; }
-  };
-  struct alignas(64) Share {  // of a thread in one pass
-    TogetherFigures figures;
-    TogetherStep::Progress progress;
   };
   // The group that computes a coordinate: its class and its place among the groups of the class. -1: none
   struct Source {
     std::int32_t of_class = -1, place = -1, unknown = -1;
   };
+  // A row depends on a row of the group that a part of its entries reads.
+  struct Gain {
+    std::int32_t row, of;     // coupled rows of this group and of the other one
+    std::int32_t begin, end;  // entries
+  };
+  // The groups of a class that a thread works on.
+  struct Share {
+    std::size_t first, lanes;    // places
+    std::vector<Run> known;      // from the state to inputs that move, and that no group computes
+    std::vector<Run> computed;   // from arrays of unknowns to inputs
+    std::vector<Run> unknowns;   // from the state to arrays of unknowns
+    std::unique_ptr<TogetherStep> step;
+    std::array<double*, kMemories> memory;
+  };
+  // Numbers of groups by [number][place]; idle places repeat the first group.
+  struct Class {
+    GroupSolver* solver;  // of the class in the layout
+    std::int32_t derivatives;
+    std::vector<std::int32_t> groups;  // in solving order
+    std::size_t places;                // with idle ones
+    std::size_t unknowns, loads, first_gain;  // where those of the class begin
+    Slopes slopes;
+    std::vector<Gain> gains;
+    LaneArray coefficients, pivots, anchor, omega, balls_used, work, figures, of_slopes;
+    std::array<LaneArray, 3> inputs;  // [d]: d-th derivatives
+    LaneArray known_rates;            // input rates without those that groups compute
+    LaneArray sources;                // inputs: what was gathered last
+    LaneArray balls_used_before;      // before the attempt `balls_of_`
+    std::vector<Share> shares;        // threads
+  };
 
-  void make_steps(const Prepared& prepared);
-  void fill_packs(Class& c, std::size_t& pack_number, std::size_t packs);
-  void find_parts(Class& c);
+  void make_classes();
+  void sort_entries(Class& c);
+  void divide();
+  [[nodiscard]] TogetherClass outline(const Class& c) const;
+  void fill(Class& c, Share& share);
+  void add_runs(const Class& c, Share& share) const;
   void make_rows();
   void add_row(const Row& row);
+  [[nodiscard]] const Group& group(const Class& c, std::size_t place) const;
+  [[nodiscard]] Pack& pack(const Class& c, std::size_t place) const;
   [[nodiscard]] std::int32_t address(const Source& source) const;
-  [[nodiscard]] Source source(const Class& c, std::int32_t group, std::size_t entry) const;
+  [[nodiscard]] Source source(const Class& c, std::size_t place, std::int32_t input) const;
 
   void take(const double* state);
-  void take_lane(TogetherPack& to, std::size_t lane, std::size_t lanes);
+  void take_guard(Class& c, std::size_t place);
   template <class... Works>
   void pass(const Works&... works);
+  void couple(Class& c, Share& share, const LaneArray& changes, bool with_gains);
+  void complete(const Class& c, const Share& share, LaneArray& to) const;
   void complete_loads();
-  [[nodiscard]] bool converge(double* const (&state)[3], const Attempt& attempt, int& iterations,
-                              TogetherFigures& figures);
-  void derive(double* const (&state)[3], TogetherFigures& figures);
+  [[nodiscard]] double largest(TogetherFigure f) const;
+  [[nodiscard]] bool converge(double* const (&state)[3], const Attempt& attempt, int& corrections);
+  void derive();
+  void write(double* const (&state)[3]);
   [[nodiscard]] bool keep_on_branch(double* const (&state)[3], const Attempt& attempt, Counters& counters);
-  void count(int iterations, Counters& counters) const;
+  void count(int corrections, Counters& counters) const;
 
   const Structure& structure_;
   Layout& layout_;
   std::vector<std::int32_t> pack_of_;  // group -> pack of the layout
   Team* team_;
-  std::vector<Share> shares_;  // threads
-  ChainOfLoads chain_;
+  std::size_t threads_;
+  const CouplingKernels& kernels_;
   std::vector<Source> sources_;  // source of each coordinate
   std::vector<Class> classes_;
-  Coupling coupling_;
-  std::vector<Row> rows_;  // in solving order
+  // Numbers of all classes, by class [unknown][place]: an unknown has the same address in each array.
+  LaneArray own_, change_;                             // changes of the unknowns: alone, and with all loads
+  std::array<LaneArray, kMostCoupledRows> columns_;    // change of the unknowns for a load of 1, by coupled row
+  std::array<LaneArray, 3> unknowns_;                  // [d]: d-th derivatives
+  LaneArray loads_;                                    // of the coupled rows, by class [row][place]
+  LaneArray gains_;                                    // by class [gain][place]
+  std::vector<Row> rows_;                              // in solving order
   std::vector<Link> links_;
-  std::vector<Copy> idle_;  // loads that idle lanes copy
+  std::vector<Copy> idle_;  // loads that idle places copy
   int derivatives_ = 0;     // highest derivative of all classes
+  std::array<double, kGroupSettings> settings_{};
   LaneArray prediction_;
-  bool up_to_date_ = false;    // the guards in the packs are those of the layout
+  bool up_to_date_ = false;    // the guards of the classes are those of the layout
   std::int64_t balls_of_ = 0;  // the last attempt that changed the balls used of all groups
 };
 

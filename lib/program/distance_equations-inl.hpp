@@ -81,37 +81,6 @@ class DistanceEquations {
       if (kMeasure) magnitude_.set(idx(ij), magnitude);
     }
   }
-  // The parts of b_ij from inputs at rest, and their magnitudes: 2 x N x N, for set_moving_inputs().
-  static constexpr std::size_t kAtRest = 2 * N * N;
-  template <class Source>
-  void at_rest(const Source& in, double* to, std::size_t lanes) {
-    for (std::int32_t i = 0; i < inputs_; ++i) numbers_[0].set(idx(i), in.input(0, i));
-    for (int ij = 0; ij < N * N; ++ij, to += lanes) {
-      L total = L::set(0), magnitude = L::set(0);
-      for (std::int32_t o = sums_[ij].begin; o < sums_[ij].moving; ++o) {
-        const L term = addend(in, addends_[idx(o)], 0);
-        total = total + term;
-        magnitude = magnitude + abs(term);
-      }
-      total.store(to);
-      magnitude.store(to + N * N * lanes);
-    }
-  }
-  // set_inputs(), if at_rest() is known.
-  template <bool kMeasure, class Source>
-  HWY_INLINE void set_moving_inputs(const Source& in, const double* at_rest, std::size_t lanes) {
-    for (const std::int32_t i : moving_) numbers_[0].set(idx(i), in.input(0, i));
-    for (int ij = 0; ij < N * N; ++ij, at_rest += lanes) {
-      L total = L::load(at_rest), magnitude = L::load(at_rest + N * N * lanes);
-      for (std::int32_t o = sums_[ij].moving; o < sums_[ij].end; ++o) {
-        const L term = addend(in, addends_[idx(o)], 0);
-        total = total + term;
-        if (kMeasure) magnitude = magnitude + abs(term);
-      }
-      b_[0].set(idx(ij), total);
-      if (kMeasure) magnitude_.set(idx(ij), magnitude);
-    }
-  }
   template <class Source>
   HWY_INLINE void set_rates(const Source& in) {
     derive(in, 1);

@@ -4,6 +4,7 @@
 
 #include "index.hpp"
 #include "program/graph.hpp"
+#include "program/group_slots.hpp"
 #include "program/small_group-inl.hpp"
 
 namespace assur {
@@ -20,50 +21,14 @@ struct Layout {
   [[nodiscard]] std::uint32_t size() const { return 3 * n + 2; }
 };
 
-// The numbers of a pack as slots. A coefficient without constants of the group is part of the program.
-class Slots {
+// GroupSlots where inputs and predicted unknowns are values of the graph.
+class GivenValues : public GroupSlots {
  public:
-  Slots(Graph& graph, const Program& program, std::uint16_t group) : graph_(graph), program_(program), group_(group) {}
-
-  [[nodiscard]] Value load(Memory memory, std::size_t index) const {
-    return graph_.load({memory, static_cast<std::uint32_t>(index), Reach::row, group_});
-  }
-  [[nodiscard]] Value coefficient(std::int32_t k) const {
-    if (k == zero_coefficient(program_)) return Value::set(0);
-    if (k == one_coefficient(program_)) return Value::set(1);
-    const Coefficient& c = program_.coefficients[idx(k)];
-    return c == Coefficient{c.literal} ? Value::set(c.literal) : load(Memory::coefficients, idx(k));
-  }
-  [[nodiscard]] Value input(int derivative, std::int32_t i) const {
-    constexpr Memory kOf[] = {Memory::inputs, Memory::input_rates, Memory::input_accelerations};
-    return load(kOf[derivative], idx(i));
-  }
-  [[nodiscard]] Value unknown(int j) const { return load(Memory::unknowns, idx(j)); }
-  [[nodiscard]] Value pivot(std::size_t k) const { return load(Memory::pivots, k); }
-  [[nodiscard]] Value anchor(std::size_t k) const { return load(Memory::anchor, k); }
-  [[nodiscard]] Value omega() const { return load(Memory::omega, 0); }
-  [[nodiscard]] Value ball_used() const { return load(Memory::ball_used, 0); }
-  [[nodiscard]] Value setting(GroupSetting s) const { return graph_.load(of_group(slot_of(s), group_)); }
-
-  [[nodiscard]] static Slot of_group(Slot slot, std::uint16_t group) {
-    slot.group = group;
-    return slot;
-  }
-
- private:
-  Graph& graph_;
-  const Program& program_;
-  std::uint16_t group_;
-};
-
-// The same where inputs and predicted unknowns are values of the graph.
-class GivenValues : public Slots {
- public:
-  GivenValues(const Slots& slots, const GroupBegin& begin) : Slots(slots), begin_(begin) {}
+  GivenValues(const GroupSlots& slots, const GroupBegin& begin) : GroupSlots(slots), begin_(begin) {}
 
   [[nodiscard]] Value input(int derivative, std::int32_t i) const {
     const Value& given = begin_.inputs[idx(i)];
-    return derivative > 0 || given.is_constant() ? Slots::input(derivative, i) : given;
+    return derivative > 0 || given.is_constant() ? GroupSlots::input(derivative, i) : given;
   }
   [[nodiscard]] Value unknown(int j) const { return begin_.unknowns[idx(j)]; }
 
@@ -126,9 +91,12 @@ class Writer {
   }
 
  private:
-  [[nodiscard]] Slot slot(Slot of) const { return Slots::of_group(of, number_); }
+  [[nodiscard]] Slot slot(Slot of) const {
+    of.group = number_;
+    return of;
+  }
   [[nodiscard]] Slot work(std::uint32_t index) const { return slot({Memory::work, index}); }
-  [[nodiscard]] Slots slots(Graph& graph) const { return {graph, program_, number_}; }
+  [[nodiscard]] GroupSlots slots(Graph& graph) const { return {graph, program_, number_}; }
   void keep(Graph& graph, const typename Group::State& s) const {
     for (std::uint32_t i = 0; i < kAt.n; ++i) {
       graph.store(work(kAt.unknown(i)), s.x[i]);
@@ -142,7 +110,7 @@ class Writer {
   // What earlier phases kept. Equations read their inputs again: unused results are not written, and even sums of four
   // inputs, as for the handle ends of a hexapod, are a tenth of the operations.
   [[nodiscard]] typename Group::State recall(Graph& graph) {
-    const Slots of = slots(graph);
+    const GroupSlots of = slots(graph);
     group_.equations().set_inputs(of);
     typename Group::State s;
     for (std::uint32_t i = 0; i < kAt.n; ++i) {

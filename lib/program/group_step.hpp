@@ -16,8 +16,9 @@ namespace assur {
 enum class GroupSetting : std::uint32_t {
   converged_at,     // relative residual at which the equations count as solved
   most_iterations,  // of Newton's method
+  corrections,      // so far, of groups that are solved together
 };
-inline constexpr std::size_t kGroupSettings = 2;
+inline constexpr std::size_t kGroupSettings = 3;
 
 // What each lane tells in Memory::figures.
 enum class GroupFigure : std::uint32_t {

@@ -11,6 +11,7 @@
 
 #include "program/distance_equations-inl.hpp"
 #include "program/general_equations-inl.hpp"
+#include "program/group_tests-inl.hpp"
 #include "program/separable_equations-inl.hpp"
 #include "program/small_lu-inl.hpp"
 
@@ -35,8 +36,9 @@ namespace assur::HWY_NAMESPACE {
 //   L setting(GroupSetting)
 template <class L, int N, class Equations>
 class SmallGroup {
-  using Column = L[N];
-  using Matrix = L[N][N];
+  using Tests = GroupTests<L, N>;
+  using Column = typename Tests::Column;
+  using Matrix = typename Tests::Matrix;
 
  public:
   // Between the phases.
@@ -64,9 +66,9 @@ class SmallGroup {
       s.weight[i] = one / if_at_most(scale, L::set(0), one, scale);
     }
     Column ratio;
-    multiply(s.phi, s.weight, ratio);
-    s.relative = largest_of(ratio);
-    s.active = is_open(ratio, in.setting(GroupSetting::converged_at));
+    Tests::multiply(s.phi, s.weight, ratio);
+    s.relative = Tests::largest_of(ratio);
+    s.active = Tests::is_open(ratio, in.setting(GroupSetting::converged_at));
     s.failed = s.iterations = L::set(0);
   }
 
@@ -83,22 +85,18 @@ class SmallGroup {
     lu_.solve(s.phi, by);
     for (int j = 0; j < N; ++j) next[j] = s.x[j] - by[j];
     equations_.evaluate(in, next, u, phi);
-    multiply(phi, s.weight, ratio);
+    Tests::multiply(phi, s.weight, ratio);
 
-    const L relative = largest_of(ratio), iterations = s.iterations + one;
+    const L relative = Tests::largest_of(ratio), iterations = s.iterations + one;
     const L largest_first = L::set(largest_first_correction(0)) * (one - in.ball_used());
-    const L is_near = if_at_most(part_of_ball(in, by), largest_first, failed, one);
+    const L is_near = if_at_most(Tests::part_of_ball(in, by), largest_first, failed, one);
     failed = if_at_most(s.iterations, zero, is_near, failed);
     failed = if_at_most(failed + (relative - relative), zero, zero, one);  // also if it is not finite
-    const L open = is_open(ratio, in.setting(GroupSetting::converged_at));
-    L falls = relative;  // above 0: slowly
-    falls.subtract_product(s.relative, L::set(0.25));
-    const L only_rounding = if_at_most(falls, zero, zero, if_at_most(relative, L::set(kRoundingLevel), one, zero));
-    if (equations_.may_vanish()) {
-      const L slow = if_at_most(falls, zero, failed, if_at_most(iterations, one, failed, one));
-      failed = if_at_most(open, zero, failed, slow);
-    }
-    const L still_open = if_at_most(only_rounding, zero, open, zero);
+    const typename Tests::Progress progress =
+        Tests::judge(ratio, in.setting(GroupSetting::converged_at), relative, s.relative, iterations,
+                     equations_.may_vanish(), failed);
+    failed = progress.failed;
+    const L still_open = progress.goes_on;
     const L too_many = if_at_most(in.setting(GroupSetting::most_iterations), iterations, one, failed);
     failed = if_at_most(still_open, zero, failed, too_many);
     const L goes_on = if_at_most(failed, zero, still_open, zero);
@@ -126,29 +124,25 @@ class SmallGroup {
       Column rhs;
       equations_.evaluate(in, s.x, u, rhs);
       equations_.differentiate(in, u, jacobian);
-      const L poor = factorize(in, jacobian), norm = norm_of(jacobian);
+      const L poor = factorize(in, jacobian), norm = Tests::norm_of(jacobian);
       equations_.set_rates(in);
       equations_.velocity_rhs(in, s.x, u, rhs);
       lu_.solve(rhs, rate);
-      figures.velocity = residual(jacobian, norm, rate, rhs);
+      figures.velocity = Tests::residual(jacobian, norm, rate, rhs);
       s.failed = s.failed + poor + (figures.velocity - figures.velocity);
       if (derivatives > 1) {
         equations_.set_accelerations(in);
         equations_.acceleration_rhs(in, s.x, u, rate, rhs);
         lu_.solve(rhs, acceleration);
-        figures.acceleration = residual(jacobian, norm, acceleration, rhs);
+        figures.acceleration = Tests::residual(jacobian, norm, acceleration, rhs);
         s.failed = s.failed + (figures.acceleration - figures.acceleration);
       }
     }
-    L moved = L::set(0), poison = moved;
-    for (std::size_t k = 0; k < reads.size(); ++k) {
-      const L at = reads[k] < N ? s.x[reads[k]] : equations_.input(reads[k] - N);
-      include(at - in.anchor(k), moved, poison);
-    }
-    figures.ball_used = times_omega(in, moved) + poison;
-    // ball_lasts()
-    const L zero = L::set(0), one = L::set(1), more = max(figures.ball_used - in.ball_used(), zero);
-    figures.needs_anchor = if_at_most(figures.ball_used + (more + more), L::set(kBall), zero, one);
+    figures.ball_used = Tests::ball_use(in, reads.size(), [&](std::size_t k) HWY_ATTR {
+      return reads[k] < N ? s.x[reads[k]] : equations_.input(reads[k] - N);
+    });
+    figures.needs_anchor = Tests::needs_anchor(figures.ball_used, in.ball_used());
+    const L zero = L::set(0), one = L::set(1);
     s.failed = if_at_most(s.failed, zero, zero, one);
     for (int j = 0; j < N; ++j) s.x[j] = if_at_most(s.failed, zero, s.x[j], in.unknown(j));
   }
@@ -158,61 +152,6 @@ class SmallGroup {
   HWY_INLINE L factorize(const Source& in, const Matrix& matrix) {
     return lu_.factorize(matrix, [&](std::size_t k) HWY_ATTR { return in.pivot(k); });
   }
-  static HWY_INLINE void multiply(const Column& a, const Column& b, Column& out) {
-    for (int i = 0; i < N; ++i) out[i] = a[i] * b[i];
-  }
-  // poison: NaN if a number is not finite, else 0. The comparisons of a maximum would lose it.
-  static HWY_INLINE void include(const L& number, L& largest, L& poison) {
-    largest = max(abs(number), largest);
-    poison = poison + (number - number);
-  }
-  static HWY_INLINE L largest_of(const Column& numbers) {
-    L largest = L::set(0), poison = largest;
-    for (int i = 0; i < N; ++i) include(numbers[i], largest, poison);
-    return largest + poison;
-  }
-  // 0 if all numbers are at most the bound, else 1, also for NaN.
-  static HWY_INLINE L is_open(const Column& numbers, const L& bound) {
-    L open = L::set(0);
-    for (int i = 0; i < N; ++i) open = if_at_most(abs(numbers[i]), bound, open, L::set(1));
-    return open;
-  }
-  // A step of 0 is within any ball.
-  template <class Source>
-  static HWY_INLINE L times_omega(const Source& in, const L& size) {
-    return if_at_most(size, L::set(0), size, in.omega() * size);
-  }
-  template <class Source>
-  static HWY_INLINE L part_of_ball(const Source& in, const Column& by) {
-    L largest = L::set(0), poison = largest;
-    for (int i = 0; i < N; ++i) include(by[i], largest, poison);
-    return times_omega(in, largest) + poison;
-  }
-  // Maximum norm.
-  static HWY_INLINE L norm_of(const Matrix& matrix) {
-    L largest = L::set(0);
-    for (int i = 0; i < N; ++i) {
-      L sum = abs(matrix[i][0]);
-      for (int j = 1; j < N; ++j) sum = sum + abs(matrix[i][j]);
-      largest = max(sum, largest);
-    }
-    return largest;
-  }
-  // |b - J x| / (|J| |x| + |b|) in maximum norms.
-  static HWY_INLINE L residual(const Matrix& jacobian, const L& norm, const Column& x, const Column& b) {
-    const L zero = L::set(0);
-    L left = zero, poison = zero, norm_x = zero, size = zero;
-    for (int i = 0; i < N; ++i) {
-      L rest = b[i];
-      for (int j = 0; j < N; ++j) rest.subtract_product(jacobian[i][j], x[j]);
-      include(rest, left, poison);
-      norm_x = max(abs(x[i]), norm_x);
-      size = max(abs(b[i]), size);
-    }
-    size.add_product(norm, norm_x);
-    return (left + poison) / if_at_most(size, zero, L::set(1), size);
-  }
-
   Equations equations_;
   SmallLu<L, N> lu_;
 };

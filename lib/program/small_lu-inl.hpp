@@ -36,10 +36,9 @@ class SmallLu {
     for (int i = 0; i < N; ++i) {
       for (int j = 0; j < N; ++j) f_[i][j] = matrix[i][j];
     }
-    std::size_t pair = 0;
+    set_swaps(pivots);
     for (int k = 0; k < N; ++k) {
-      for (int i = k + 1; i < N; ++i, ++pair) {
-        swap_[k][i] = positive(pivots(pair));
+      for (int i = k + 1; i < N; ++i) {
         for (int j = 0; j < N; ++j) swap_if(swap_[k][i], f_[k][j], f_[i][j]);
       }
     }
@@ -71,6 +70,24 @@ class SmallLu {
     return poor;
   }
 
+  // The factors, as put(number, value), for recall(). They are kFactors numbers.
+  static constexpr std::size_t kFactors = N * N + N;
+  template <class Put>
+  HWY_INLINE void keep(const Put& put) const {
+    for (int i = 0; i < N; ++i) {
+      for (int j = 0; j < N; ++j) put(static_cast<std::size_t>(i * N + j), f_[i][j]);
+      put(static_cast<std::size_t>(N * N + i), reciprocal_[i]);
+    }
+  }
+  template <class Get, class Pivots>
+  HWY_INLINE void recall(const Get& get, const Pivots& pivots) {
+    for (int i = 0; i < N; ++i) {
+      for (int j = 0; j < N; ++j) f_[i][j] = get(static_cast<std::size_t>(i * N + j));
+      reciprocal_[i] = get(static_cast<std::size_t>(N * N + i));
+    }
+    set_swaps(pivots);
+  }
+
   HWY_INLINE void solve(const L (&b)[N], L (&x)[N]) const {
     for (int i = 0; i < N; ++i) x[i] = b[i];
     for (int k = 0; k < N; ++k) {
@@ -86,6 +103,13 @@ class SmallLu {
   }
 
  private:
+  template <class Pivots>
+  HWY_INLINE void set_swaps(const Pivots& pivots) {
+    std::size_t pair = 0;
+    for (int k = 0; k < N; ++k) {
+      for (int i = k + 1; i < N; ++i, ++pair) swap_[k][i] = positive(pivots(pair));
+    }
+  }
   static double square(double x) { return x * x; }
   static HWY_INLINE L squares(const L (&row)[N]) {
     L sum = row[0] * row[0];

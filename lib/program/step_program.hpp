@@ -69,6 +69,12 @@ enum class Memory : std::uint8_t {
   settings,   // bounds
   work,       // from phase to phase
   figures,    // what the step tells about itself
+  // of groups that are solved together with those of other levels (program/together_step.hpp)
+  own,      // changes of the unknowns, alone
+  slopes,   // of coupled equations along inputs
+  change,   // of the unknowns, with all loads
+  sources,  // changes of inputs
+  loads,    // of coupled rows
   // of a mechanism
   state,  // coordinates at the end of the step, by address
   state_rates,
@@ -85,7 +91,10 @@ enum class Memory : std::uint8_t {
   past,     // what the weights multiply, in kMostPast memories
 };
 inline constexpr std::size_t kMostPast = 6;
-inline constexpr std::size_t kMemories = static_cast<std::size_t>(Memory::past) + kMostPast;
+// Changes of the unknowns for a load of 1, in a memory for each coupled row.
+inline constexpr std::size_t kMostCoupledRows = 3;  // equations of a group
+inline constexpr std::size_t kColumns = static_cast<std::size_t>(Memory::past) + kMostPast;
+inline constexpr std::size_t kMemories = kColumns + kMostCoupledRows;
 
 // Where the number of a lane lies in a memory, for an index i and W lanes.
 enum class Reach : std::uint8_t {
@@ -131,7 +140,7 @@ struct Phase {
   std::vector<Store> stores;
   // The phase is repeated as long as this slot is positive in a lane; without one, it runs once.
   std::optional<Slot> repeat_while;
-  int lanes = 0;  // W of this phase; 0: that of the executor
+  int lanes = 0;  // W of this phase: 1, 2, 4, or a multiple of 8; 0: that of the executor
 
   friend bool operator==(const Phase&, const Phase&) = default;
 };

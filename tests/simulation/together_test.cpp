@@ -11,7 +11,7 @@
 #include "backends/allocations.hpp"
 #include "equations/program.hpp"
 #include "equations/separable.hpp"
-#include "group/together_step.hpp"
+#include "group/coupling.hpp"
 #include "index.hpp"
 #include "numbers.hpp"
 #include "scene/shipped_files.hpp"
@@ -178,7 +178,7 @@ Scene chain_of_tripods(int tripods) {
   return b.time(0, 1, 0.01).build();
 }
 
-// Distances have a step of their own; see DistanceSystem.
+// Distances have a step of their own; see DistanceEquations.
 TEST(Together, MeasuresDistancesAsOtherStepsDo) {
   const auto distances = [](const Scene& scene) {
     const Prepared p = prepare(scene, {kTogether, {}});
@@ -332,7 +332,7 @@ TEST(ChainOfLoads, AddsGainTimesTheLoadBefore) {
         sizes.push_back(size);
       }
       loads.push_back(behind);
-      chain_of_loads()(gains.data(), before, count, loads.data());
+      coupling_kernels().chain(gains.data(), before, count, loads.data());
       for (std::int32_t i = 0; i < count; ++i) {
         const auto error = std::abs(static_cast<long double>(loads[idx(i)]) - expected[idx(i)]);
         EXPECT_LE(static_cast<double>(error / sizes[idx(i)]), 4 * (i + 1) * kEps) << i << " of " << count;

@@ -1,0 +1,118 @@
+// What the steps of small groups test (step_rules.hpp): residuals, convergence and the ball. Each lane for itself, in the
+// text that writes programs as well, see SmallGroup. Included once for each target, inside its HWY_NAMESPACE (see
+// Highway, "foreach_target.h").
+#if defined(ASSUR_GROUP_TESTS_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef ASSUR_GROUP_TESTS_INL
+#undef ASSUR_GROUP_TESTS_INL
+#else
+#define ASSUR_GROUP_TESTS_INL
+#endif
+
+#include <hwy/highway.h>
+
+#include <cstddef>
+
+#include "program/step_rules.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace assur::HWY_NAMESPACE {
+
+// L: Lanes, or Value; N unknowns
+template <class L, int N>
+struct GroupTests {
+  using Column = L[N];
+  using Matrix = L[N][N];
+
+  static HWY_INLINE void multiply(const Column& a, const Column& b, Column& out) {
+    for (int i = 0; i < N; ++i) out[i] = a[i] * b[i];
+  }
+  // poison: NaN if a number is not finite, else 0. The comparisons of a maximum would lose it.
+  static HWY_INLINE void include(const L& number, L& largest, L& poison) {
+    largest = max(abs(number), largest);
+    poison = poison + (number - number);
+  }
+  static HWY_INLINE L largest_of(const Column& numbers) {
+    L largest = L::set(0), poison = largest;
+    for (int i = 0; i < N; ++i) include(numbers[i], largest, poison);
+    return largest + poison;
+  }
+  // 0 if all numbers are at most the bound, else 1, also for NaN.
+  static HWY_INLINE L is_open(const Column& numbers, const L& bound) {
+    L open = L::set(0);
+    for (int i = 0; i < N; ++i) open = if_at_most(abs(numbers[i]), bound, open, L::set(1));
+    return open;
+  }
+  // A step of 0 is within any ball.
+  template <class Source>
+  static HWY_INLINE L times_omega(const Source& in, const L& size) {
+    return if_at_most(size, L::set(0), size, in.omega() * size);
+  }
+  template <class Source>
+  static HWY_INLINE L part_of_ball(const Source& in, const Column& by) {
+    L largest = L::set(0), poison = largest;
+    for (int i = 0; i < N; ++i) include(by[i], largest, poison);
+    return times_omega(in, largest) + poison;
+  }
+  // Maximum norm.
+  static HWY_INLINE L norm_of(const Matrix& matrix) {
+    L largest = L::set(0);
+    for (int i = 0; i < N; ++i) {
+      L sum = abs(matrix[i][0]);
+      for (int j = 1; j < N; ++j) sum = sum + abs(matrix[i][j]);
+      largest = max(sum, largest);
+    }
+    return largest;
+  }
+  // |b - J x| / (|J| |x| + |b|) in maximum norms.
+  static HWY_INLINE L residual(const Matrix& jacobian, const L& norm, const Column& x, const Column& b) {
+    const L zero = L::set(0);
+    L left = zero, poison = zero, norm_x = zero, size = zero;
+    for (int i = 0; i < N; ++i) {
+      L rest = b[i];
+      for (int j = 0; j < N; ++j) rest.subtract_product(jacobian[i][j], x[j]);
+      include(rest, left, poison);
+      norm_x = max(abs(x[i]), norm_x);
+      size = max(abs(b[i]), size);
+    }
+    size.add_product(norm, norm_x);
+    return (left + poison) / if_at_most(size, zero, L::set(1), size);
+  }
+
+  // What a correction achieved.
+  struct Progress {
+    L goes_on;  // 1: another correction is needed
+    L failed;   // 0, or positive if the lane is not solved and convergence is unusual
+  };
+  // ratio: |Phi_i| over its scale; relative: the largest of them; before: that of the last posture. corrections: their
+  // number with this one. may_vanish: coefficients of unknowns may. failed: 0, or positive if something else is unusual
+  static HWY_INLINE Progress judge(const Column& ratio, const L& converged, const L& relative, const L& before,
+                                   const L& corrections, bool may_vanish, L failed) {
+    const L zero = L::set(0), one = L::set(1), open = is_open(ratio, converged);
+    L falls = relative;  // above 0: slowly
+    falls.subtract_product(before, L::set(0.25));
+    const L only_rounding = if_at_most(falls, zero, zero, if_at_most(relative, L::set(kRoundingLevel), one, zero));
+    if (may_vanish) {
+      const L slow = if_at_most(falls, zero, failed, if_at_most(corrections, one, failed, one));
+      failed = if_at_most(open, zero, failed, slow);
+    }
+    return {if_at_most(only_rounding, zero, open, zero), failed};
+  }
+  // omega |coordinates - anchor|. at(k): coordinate k of the branch test
+  template <class Source, class At>
+  static HWY_INLINE L ball_use(const Source& in, std::size_t coordinates, const At& at) {
+    L moved = L::set(0), poison = moved;
+    for (std::size_t k = 0; k < coordinates; ++k) include(at(k) - in.anchor(k), moved, poison);
+    return times_omega(in, moved) + poison;
+  }
+  // 1 if the next step of this length may leave the ball, see ball_lasts().
+  static HWY_INLINE L needs_anchor(const L& used, const L& before) {
+    const L more = max(used - before, L::set(0));
+    return if_at_most(used + (more + more), L::set(kBall), L::set(0), L::set(1));
+  }
+};
+
+// NOLINTNEXTLINE(google-readability-namespace-comments)
+}  // namespace assur::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif  // include guard for each target

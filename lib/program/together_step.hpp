@@ -1,0 +1,59 @@
+// The step of all groups of a class at once, whatever their levels, in passes. Each group is linearised at the
+// prediction, with inputs that other groups have not corrected yet:
+//   J dx + H dh = -Phi      =>      dx = own + sum_k column_k load_k,   own = -J^-1 Phi,   column_k = J^-1 e_k
+// Row k is an equation that reads unknowns of other groups, and load_k = -(H dh)_k is the effect of their changes on
+// it. With the changes of those groups inserted, the loads of all groups are a linear recurrence through the levels:
+//   load_k = -(H own)_k + sum_j gain_kj load_j,   gain_kj = -(H column_j)_k
+// The rates and the accelerations have the same columns and gains at the solved posture, with their own right-hand
+// sides. A pass reads and writes numbers of its own group only; between passes, path/together.hpp brings what other
+// groups computed, and runs the recurrence.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "assur/structure.hpp"
+#include "equations/program.hpp"
+#include "program/slopes.hpp"
+#include "program/step_program.hpp"
+
+namespace assur {
+
+enum class TogetherPass : std::uint8_t {
+  begin,          // scales; then as linearise
+  linearise,      // equations, factors, own changes, columns and slopes
+  approach,       // whether the first change is small enough: Memory::change, and Memory::sources of other groups
+  rates,          // own rates: Memory::input_rates without those that groups compute
+  accelerations,  // own accelerations, likewise, but with all input rates; measures the rates
+  finish,         // measures the accelerations, with Memory::loads of those of other groups; the branch test
+};
+inline constexpr std::size_t kTogetherPasses = 6;
+
+// What each lane tells in Memory::figures.
+enum class TogetherFigure : std::uint32_t {
+  failed,        // 0, or 1 if anything is unusual; from pass to pass
+  open,          // 1: the equations are not solved
+  position,      // relative residuals
+  velocity,      // of the linear system
+  acceleration,  // of the linear system
+  ball_used,     // omega |coordinates - anchor|
+  needs_anchor,  // 1: the next step may leave the ball
+};
+inline constexpr std::size_t kTogetherFigures = 7;
+
+// Number k of the group in lane l lies at [k stride + l].
+struct TogetherShape {
+  std::size_t stride;
+  int lanes;  // a multiple of kTogetherLanes
+};
+inline constexpr int kTogetherLanes = 8;
+
+// Numbers of a group in Memory::work.
+[[nodiscard]] std::size_t work_of_together_step(const GroupClass& group_class);
+// For separable classes that have a group_step(). reads: see group_step()
+[[nodiscard]] StepProgram together_program(TogetherPass pass, const GroupClass& group_class, const Program& equations,
+                                           std::span<const std::int32_t> reads, const Slopes& slopes,
+                                           const TogetherShape& shape);
+
+}  // namespace assur
