@@ -99,9 +99,9 @@ class Uses {
   std::vector<std::vector<std::size_t>> stores_;
 };
 
-// Writes one function for all phases, each for one vector of its lanes after the other, or in a loop. A value that is loaded or
-// constant is read where it is used. If registers run out, the value with the farthest next use leaves its register
-// (Belady, IBM Systems Journal 5, 1966), and is written to the stack unless it can be read again elsewhere.
+// Writes one function for all phases, each for one vector of its lanes after the other, or in a loop. A value that is
+// loaded or constant is read where it is used. If registers run out, the value with the farthest next use leaves its
+// register (Belady, IBM Systems Journal 5, 1966), and is written to the stack unless it can be read again elsewhere.
 class Writer {
  public:
   // lanes: of phases that do not say it
@@ -364,9 +364,10 @@ class Writer {
   // The phase once for each vector. A loop has neighbours only, and numbers that all lanes read.
   [[nodiscard]] bool write_loop(const Phase& phase) {
     const auto is_scattered = [](const Slot& s) { return s.reach == Reach::scattered; };
-    const bool known = std::none_of(phase.code.begin(), phase.code.end(), [&](const Instruction& n) {
-      return n.op == Op::load && is_scattered(n.slot);
-    }) && std::none_of(phase.stores.begin(), phase.stores.end(), [](const auto& s) { return s.to.reach == Reach::one; });
+    const bool known =
+        std::none_of(phase.code.begin(), phase.code.end(),
+                     [&](const Instruction& n) { return n.op == Op::load && is_scattered(n.slot); }) &&
+        std::none_of(phase.stores.begin(), phase.stores.end(), [](const auto& s) { return s.to.reach == Reach::one; });
     const auto number = static_cast<std::size_t>(&phase - phases_);
     based_.back() = kNoMemory;  // the register is kPlace
     if (!known || phase.repeat_while || lanes_ % width_ != 0 || !load_bases(number, true)) return false;

@@ -114,9 +114,9 @@ std::unique_ptr<TogetherStep> make_coded_together_step(const TogetherClass& of, 
                                                        StepCode& code) {
   std::array<std::shared_ptr<const Executor>, kTogetherPasses> passes;
   for (std::size_t k = 0; k < kTogetherPasses; ++k) {
-    passes[k] = code.of(together_program(static_cast<TogetherPass>(k), of.group_class, of.program, of.reads, of.slopes,
-                                         shape),
-                        shape.lanes);
+    passes[k] =
+        code.of(together_program(static_cast<TogetherPass>(k), of.group_class, of.program, of.reads, of.slopes, shape),
+                shape.lanes);
     if (!passes[k]) return nullptr;
   }
   return std::make_unique<CodedTogetherStep>(std::move(passes));

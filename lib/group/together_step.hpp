@@ -1,5 +1,5 @@
-// The passes over all groups of a class that are solved together with those of other levels (program/together_step.hpp):
-// by machine code where there is some, else by kernels, with the same bits.
+// The passes over all groups of a class that are solved together with those of other levels
+// (program/together_step.hpp): by machine code where there is some, else by kernels, with the same bits.
 #pragma once
 
 #include <cstdint>

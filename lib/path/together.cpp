@@ -4,8 +4,8 @@
 #include <cmath>
 #include <utility>
 
-#include "index.hpp"
 #include "equations/separable.hpp"
+#include "index.hpp"
 #include "program/step_rules.hpp"
 
 namespace assur {
@@ -57,7 +57,7 @@ void Together::make_classes() {
     }
     c.groups.push_back(static_cast<std::int32_t>(g));
   }
-  std::size_t unknowns = 0, loads = 0;
+  std::size_t unknowns = kTogetherLanes, loads = 0;  // see InputSources
   for (std::size_t k = 0; k < classes_.size(); ++k) {
     Class& c = classes_[k];
     const GroupClass& of = structure_.classes[k];
@@ -98,9 +98,9 @@ void Together::make_classes() {
       inputs->resize(idx(of.inputs) * c.places);
     }
   }
-  for (LaneArray* const all : {&own_, &change_, &columns_[0], &columns_[1], &columns_[2], &unknowns_[0], &unknowns_[1],
-                               &unknowns_[2]}) {
-    all->resize(unknowns);
+  for (LaneArray* const all :
+       {&own_, &change_, &columns_[0], &columns_[1], &columns_[2], &unknowns_[0], &unknowns_[1], &unknowns_[2]}) {
+    all->resize(unknowns + kTogetherLanes);
   }
   loads_.resize(loads);
 }
@@ -175,7 +175,9 @@ void Together::divide() {
         return std::clamp(up(r * all, threads_), next, next + c.places / kTogetherLanes) - next;
       };
       const std::size_t first = begin(rank) * kTogetherLanes, end = begin(rank + 1) * kTogetherLanes;
-      c.shares.push_back({first, end - first, {}, {}, {}, nullptr, {}});
+      Share& share = c.shares.emplace_back();
+      share.first = first;
+      share.lanes = end - first;
     }
     next += c.places / kTogetherLanes;
   }
@@ -187,7 +189,7 @@ TogetherClass Together::outline(const Class& c) const {
 
 void Together::fill(Class& c, Share& share) {
   if (share.lanes == 0) return;
-  add_runs(c, share);
+  find_sources(c, share);
   share.step = make_together_step(outline(c), {c.places, static_cast<int>(share.lanes)});
   const auto put = [&](std::size_t memory, LaneArray& numbers, std::size_t begin = 0) {
     share.memory[memory] = numbers.data() + begin + share.first;
@@ -216,37 +218,31 @@ void Together::fill(Class& c, Share& share) {
 }
 
 // What a share reads of the state and of other groups.
-void Together::add_runs(const Class& c, Share& share) const {
-  const auto add = [](std::vector<Run>& runs, std::size_t to, std::int32_t from, std::int32_t most_step) {
+void Together::find_sources(const Class& c, Share& share) const {
+  const auto add = [&](std::size_t to, std::int32_t from) {
     const auto at = static_cast<std::int32_t>(to);
-    if (!runs.empty() && runs.back().to + runs.back().count == at) {
-      Run& last = runs.back();
+    if (!share.known.empty() && share.known.back().to + share.known.back().count == at) {
+      Run& last = share.known.back();
       const std::int32_t step = from - (last.from + (last.count - 1) * last.step);
-      if (step >= 0 && step <= most_step && (last.count == 1 || step == last.step)) {
+      if (step == last.step || (last.count == 1 && step == 1)) {
         last.step = step;
         ++last.count;
         return;
       }
     }
-    runs.push_back({at, from, 1, 0});
+    share.known.push_back({at, from, 1, 0});
   };
   const GroupClass& of = c.solver->group_class();
+  std::vector<std::int32_t> computed;
   for (std::int32_t i = 0; i < of.inputs; ++i) {
     for (std::size_t place = share.first; place < share.first + share.lanes; ++place) {
       const Source from = source(c, place, i);
-      const std::size_t to = idx(i) * c.places + place;
-      if (from.of_class >= 0) {
-        add(share.computed, to, address(from), 3);
-      } else if (of.input_moves[idx(i)] != 0) {
-        add(share.known, to, pack(c, place).inputs[idx(i)], 3);
-      }
+      const bool is_computed = from.of_class >= 0;
+      computed.push_back(is_computed ? address(from) : InputSources::kNone);
+      if (!is_computed && of.input_moves[idx(i)] != 0) add(idx(i) * c.places + place, pack(c, place).inputs[idx(i)]);
     }
   }
-  for (std::size_t j = 0; j < idx(of.n); ++j) {
-    for (std::size_t place = share.first; place < share.first + share.lanes; ++place) {
-      add(share.unknowns, c.unknowns + j * c.places + place, static_cast<std::int32_t>(pack(c, place).unknowns + j), 3);
-    }
-  }
+  share.sources = InputSources(std::move(computed), share.lanes);
 }
 
 void Together::use(StepCode& code) {
@@ -275,8 +271,9 @@ void Together::make_rows() {
         }
         if (from.of_class < 0 || c.gains[j].of >= classes_[idx(from.of_class)].slopes.rows()) continue;
         const Class& other = classes_[idx(from.of_class)];
-        links_.push_back({static_cast<std::int32_t>(c.first_gain + j * c.places + place),
-                          static_cast<std::int32_t>(other.loads + idx(c.gains[j].of) * other.places + idx(from.place))});
+        links_.push_back(
+            {static_cast<std::int32_t>(c.first_gain + j * c.places + place),
+             static_cast<std::int32_t>(other.loads + idx(c.gains[j].of) * other.places + idx(from.place))});
       }
       row.end = static_cast<std::int32_t>(links_.size());
       add_row(row);
@@ -360,23 +357,31 @@ void Together::pass(const Works&... works) {
   }
 }
 
+// Reads the prediction, and the coordinates that no group computes.
+void Together::read(Class& c, const Share& share, double* const (&state)[3]) {
+  kernels_.copy(share.known, state[0], c.inputs[0].data());
+  if (c.derivatives > 0) {
+    kernels_.copy(share.known, state[1], c.known_rates.data());
+    kernels_.copy(share.known, state[1], c.inputs[1].data());
+  }
+  if (c.derivatives > 1) kernels_.copy(share.known, state[2], c.inputs[2].data());
+  const std::size_t n = idx(c.solver->program().n), end = std::min(share.first + share.lanes, c.groups.size());
+  const double* const from = state[0] + pack(c, 0).unknowns;
+  double* const to = unknowns_[0].data() + c.unknowns;
+  kernels_.part(from + share.first * n, n, end - share.first, c.places, to + share.first);
+  for (std::size_t idle = end; idle < share.first + share.lanes; ++idle) {
+    for (std::size_t j = 0; j < n; ++j) to[j * c.places + idle] = from[j];
+  }
+}
+
 bool Together::converge(double* const (&state)[3], const Attempt& attempt, int& corrections) {
   const auto set = [&](GroupSetting s, double to) { settings_[slot_of(s).index] = to; };
   set(GroupSetting::converged_at, attempt.converged);
-  pass(
-      [&](Class& c, Share& share) {
-        kernels_.gather(share.known, state[0], c.inputs[0].data());
-        if (c.derivatives > 0) {
-          kernels_.gather(share.known, state[1], c.known_rates.data());
-          kernels_.gather(share.known, state[1], c.inputs[1].data());
-        }
-        if (c.derivatives > 1) kernels_.gather(share.known, state[2], c.inputs[2].data());
-        kernels_.gather(share.unknowns, state[0], unknowns_[0].data());
-      },
-      [&](Class& c, Share& share) {
-        kernels_.gather(share.computed, unknowns_[0].data(), c.inputs[0].data());
-        share.step->run(TogetherPass::begin, share.memory);
-      });
+  pass([&](Class& c, Share& share) { read(c, share, state); },
+       [&](Class& c, Share& share) {
+         kernels_.gather(share.sources, unknowns_[0].data(), c.places, c.inputs[0].data() + share.first);
+         share.step->run(TogetherPass::begin, share.memory);
+       });
   while (largest(TogetherFigure::failed) <= 0) {
     if (largest(TogetherFigure::open) <= 0) return true;
     if (corrections == attempt.most_iterations) return false;
@@ -391,10 +396,10 @@ bool Together::converge(double* const (&state)[3], const Attempt& attempt, int& 
         },
         [&](Class& c, Share& share) {
           if (corrections == 1) {
-            kernels_.gather(share.computed, change_.data(), c.sources.data());
+            kernels_.gather(share.sources, change_.data(), c.places, c.sources.data() + share.first);
             share.step->run(TogetherPass::approach, share.memory);
           }
-          kernels_.gather(share.computed, unknowns_[0].data(), c.inputs[0].data());
+          kernels_.gather(share.sources, unknowns_[0].data(), c.places, c.inputs[0].data() + share.first);
           share.step->run(TogetherPass::linearise, share.memory);
         });
   }
@@ -419,7 +424,7 @@ void Together::derive() {
         },
         [&](Class& c, Share& share) {
           if (c.derivatives < 1) return;
-          kernels_.gather(share.computed, unknowns_[1].data(), c.inputs[1].data());
+          kernels_.gather(share.sources, unknowns_[1].data(), c.places, c.inputs[1].data() + share.first);
           share.memory[static_cast<std::size_t>(Memory::input_rates)] = c.inputs[1].data() + share.first;
           share.step->run(TogetherPass::accelerations, share.memory);
         });
@@ -441,27 +446,23 @@ void Together::derive() {
 }
 
 // Computes the loads of given changes of other groups, and the gains.
-void Together::couple(Class& c, Share& share, const LaneArray& changes, bool with_gains) {
-  const std::vector<Slopes::Entry>& entries = c.slopes.entries;
-  if (entries.empty()) return;
-  const auto sum = [&](std::size_t begin, std::size_t end, double* to) {
-    kernels_.couple(std::span(entries).subspan(begin, end - begin), begin, c.of_slopes.data() + share.first,
-                    c.sources.data() + share.first, c.places, share.lanes, to + share.first);
+void Together::couple(const Class& c, const Share& share, const LaneArray& changes, bool with_gains) {
+  const auto sum = [&](std::int32_t begin, std::int32_t end, const LaneArray& numbers, double* to) {
+    kernels_.couple(share.sources, std::span(c.slopes.entries).subspan(idx(begin), idx(end - begin)),
+                    c.of_slopes.data() + idx(begin) * c.places + share.first, c.places, numbers.data(),
+                    to + share.first);
   };
-  kernels_.gather(share.computed, changes.data(), c.sources.data());
-  for (std::size_t begin = 0, end = 0; begin < entries.size(); begin = end) {
-    const std::int32_t row = entries[begin].row;
-    while (end < entries.size() && entries[end].row == row) ++end;
-    sum(begin, end, loads_.data() + c.loads + idx(row) * c.places);
+  const std::vector<Slopes::Entry>& entries = c.slopes.entries;
+  for (std::int32_t begin = 0, end = 0; begin < std::ssize(entries); begin = end) {
+    const std::int32_t row = entries[idx(begin)].row;
+    while (end < std::ssize(entries) && entries[idx(end)].row == row) ++end;
+    sum(begin, end, changes, loads_.data() + c.loads + idx(row) * c.places);
   }
-  for (std::size_t of = 0; with_gains && of < kMostCoupledRows; ++of) {
-    bool gathered = false;
-    for (std::size_t k = 0; k < c.gains.size(); ++k) {
-      const Gain& g = c.gains[k];
-      if (idx(g.of) != of) continue;
-      if (!std::exchange(gathered, true)) kernels_.gather(share.computed, columns_[of].data(), c.sources.data());
-      sum(idx(g.begin), idx(g.end), gains_.data() + c.first_gain + k * c.places);
-    }
+  if (!with_gains) return;
+  double* to = gains_.data() + c.first_gain;
+  for (const Gain& g : c.gains) {
+    sum(g.begin, g.end, columns_[idx(g.of)], to);
+    to += c.places;
   }
 }
 
@@ -502,7 +503,11 @@ double Together::largest(TogetherFigure f) const {
 // Writes the solution to the state.
 void Together::write(double* const (&state)[3]) {
   pass([&](Class& c, Share& share) {
-    for (int d = 0; d <= c.derivatives; ++d) kernels_.scatter(share.unknowns, state[d], unknowns_[idx(d)].data());
+    const std::size_t n = idx(c.solver->program().n), end = std::min(share.first + share.lanes, c.groups.size());
+    const std::size_t to = pack(c, 0).unknowns + share.first * n;  // the groups of a class follow each other
+    for (std::size_t d = 0; d <= idx(c.derivatives); ++d) {
+      kernels_.join(unknowns_[d].data() + c.unknowns + share.first, n, end - share.first, c.places, state[d] + to);
+    }
   });
 }
 

@@ -72,26 +72,25 @@ class Together {
   };
   // The groups of a class that a thread works on.
   struct Share {
-    std::size_t first, lanes;    // places
-    std::vector<Run> known;      // from the state to inputs that move, and that no group computes
-    std::vector<Run> computed;   // from arrays of unknowns to inputs
-    std::vector<Run> unknowns;   // from the state to arrays of unknowns
+    std::size_t first = 0, lanes = 0;  // places
+    std::vector<Run> known;            // from the state to inputs that move, and that no group computes
+    InputSources sources;              // in arrays of unknowns
     std::unique_ptr<TogetherStep> step;
-    std::array<double*, kMemories> memory;
+    std::array<double*, kMemories> memory{};
   };
   // Numbers of groups by [number][place]; idle places repeat the first group.
   struct Class {
     GroupSolver* solver;  // of the class in the layout
     std::int32_t derivatives;
-    std::vector<std::int32_t> groups;  // in solving order
-    std::size_t places;                // with idle ones
+    std::vector<std::int32_t> groups;         // in solving order
+    std::size_t places;                       // with idle ones
     std::size_t unknowns, loads, first_gain;  // where those of the class begin
     Slopes slopes;
     std::vector<Gain> gains;
     LaneArray coefficients, pivots, anchor, omega, balls_used, work, figures, of_slopes;
     std::array<LaneArray, 3> inputs;  // [d]: d-th derivatives
     LaneArray known_rates;            // input rates without those that groups compute
-    LaneArray sources;                // inputs: what was gathered last
+    LaneArray sources;                // changes of inputs
     LaneArray balls_used_before;      // before the attempt `balls_of_`
     std::vector<Share> shares;        // threads
   };
@@ -101,7 +100,7 @@ class Together {
   void divide();
   [[nodiscard]] TogetherClass outline(const Class& c) const;
   void fill(Class& c, Share& share);
-  void add_runs(const Class& c, Share& share) const;
+  void find_sources(const Class& c, Share& share) const;
   void make_rows();
   void add_row(const Row& row);
   [[nodiscard]] const Group& group(const Class& c, std::size_t place) const;
@@ -113,7 +112,8 @@ class Together {
   void take_guard(Class& c, std::size_t place);
   template <class... Works>
   void pass(const Works&... works);
-  void couple(Class& c, Share& share, const LaneArray& changes, bool with_gains);
+  void read(Class& c, const Share& share, double* const (&state)[3]);
+  void couple(const Class& c, const Share& share, const LaneArray& changes, bool with_gains);
   void complete(const Class& c, const Share& share, LaneArray& to) const;
   void complete_loads();
   [[nodiscard]] double largest(TogetherFigure f) const;
@@ -132,12 +132,12 @@ class Together {
   std::vector<Source> sources_;  // source of each coordinate
   std::vector<Class> classes_;
   // Numbers of all classes, by class [unknown][place]: an unknown has the same address in each array.
-  LaneArray own_, change_;                             // changes of the unknowns: alone, and with all loads
-  std::array<LaneArray, kMostCoupledRows> columns_;    // change of the unknowns for a load of 1, by coupled row
-  std::array<LaneArray, 3> unknowns_;                  // [d]: d-th derivatives
-  LaneArray loads_;                                    // of the coupled rows, by class [row][place]
-  LaneArray gains_;                                    // by class [gain][place]
-  std::vector<Row> rows_;                              // in solving order
+  LaneArray own_, change_;                           // changes of the unknowns: alone, and with all loads
+  std::array<LaneArray, kMostCoupledRows> columns_;  // change of the unknowns for a load of 1, by coupled row
+  std::array<LaneArray, 3> unknowns_;                // [d]: d-th derivatives
+  LaneArray loads_;                                  // of the coupled rows, by class [row][place]
+  LaneArray gains_;                                  // by class [gain][place]
+  std::vector<Row> rows_;                            // in solving order
   std::vector<Link> links_;
   std::vector<Copy> idle_;  // loads that idle places copy
   int derivatives_ = 0;     // highest derivative of all classes

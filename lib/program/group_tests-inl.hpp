@@ -1,5 +1,5 @@
-// What the steps of small groups test (step_rules.hpp): residuals, convergence and the ball. Each lane for itself, in the
-// text that writes programs as well, see SmallGroup. Included once for each target, inside its HWY_NAMESPACE (see
+// What the steps of small groups test (step_rules.hpp): residuals, convergence and the ball. Each lane for itself, in
+// the text that writes programs as well, see SmallGroup. Included once for each target, inside its HWY_NAMESPACE (see
 // Highway, "foreach_target.h").
 #if defined(ASSUR_GROUP_TESTS_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef ASSUR_GROUP_TESTS_INL
