@@ -15,10 +15,11 @@ namespace {
 
 class CodedStep final : public SmallStep {
  public:
-  CodedStep(const Workspace& work, CodeOfStep code);
+  CodedStep(const Workspace& work, CodeOfStep code, std::shared_ptr<const Executor> anchors);
 
   [[nodiscard]] bool run(const Pack& pack, double* const (&state)[3], int most_iterations, double converged,
                          SmallStepFigures& figures) override;
+  [[nodiscard]] const double* renew_anchors(Pack& pack, double* const (&state)[3], double time) override;
 
  private:
   [[nodiscard]] const double* row(GroupFigure f) const {
@@ -27,14 +28,15 @@ class CodedStep final : public SmallStep {
   [[nodiscard]] double*& at(Memory m) { return memory_[static_cast<std::size_t>(m)]; }
 
   const Workspace& work_;
-  std::shared_ptr<const Executor> code_;
+  std::shared_ptr<const Executor> code_, anchors_;
   std::array<LaneArray, 3> inputs_;  // [d]: d-th derivatives of the inputs, inputs x W
   std::array<double, kGroupSettings> settings_{};
   LaneArray values_, figures_;  // memory of the code, rows x W
   std::array<double*, kMemories> memory_{};
 };
 
-CodedStep::CodedStep(const Workspace& work, CodeOfStep code) : work_(work), code_(std::move(code.executor)) {
+CodedStep::CodedStep(const Workspace& work, CodeOfStep code, std::shared_ptr<const Executor> anchors)
+    : work_(work), code_(std::move(code.executor)), anchors_(std::move(anchors)) {
   const std::size_t w = idx(work.lanes);
   for (LaneArray& of : inputs_) of.assign(idx(work.program.inputs) * w, 0.0);
   values_.assign(code.work * w, 0.0);
@@ -77,16 +79,25 @@ bool CodedStep::run(const Pack& pack, double* const (&state)[3], int most_iterat
   if (derivatives > 0) figures.velocity = std::max(figures.velocity, figure(GroupFigure::velocity));
   if (derivatives > 1) figures.acceleration = std::max(figures.acceleration, figure(GroupFigure::acceleration));
   figures.ball_used = row(GroupFigure::ball_used);
+  figures.needs_anchor = row(GroupFigure::needs_anchor);
   figures.balls_last = figure(GroupFigure::needs_anchor) <= 0;
   return true;
+}
+
+const double* CodedStep::renew_anchors(Pack& pack, double* const (&)[3], double time) {
+  settings_[slot_of(GroupSetting::time).index] = time;
+  point_to_anchor(pack, memory_.data());
+  anchors_->run(memory_);
+  return row(GroupFigure::failed);
 }
 
 }  // namespace
 
 std::unique_ptr<SmallStep> make_coded_step(const Workspace& work, const BlockConditions& blocks, StepCode& code) {
   CodeOfStep of_step = code.of(work.group_class, work.program, blocks.reads(0), work.lanes);
-  if (!of_step.executor) return nullptr;
-  return std::make_unique<CodedStep>(work, std::move(of_step));
+  auto anchors = code.of(anchor_program(work.group_class, work.program, blocks.reads(0)), work.lanes);
+  if (!of_step.executor || !anchors) return nullptr;
+  return std::make_unique<CodedStep>(work, std::move(of_step), std::move(anchors));
 }
 
 }  // namespace assur

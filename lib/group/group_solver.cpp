@@ -142,7 +142,7 @@ bool GroupSolver::small_step(Pack& pack, double* const (&state)[3], const Attemp
     keep(pack, state);
     return false;
   }
-  status = finish_small_step(pack, state, attempt, figures, counters, errors);
+  status = finish_small_step(pack, state, attempt, figures, *small_step_, counters, errors);
   return true;
 }
 
@@ -165,16 +165,27 @@ void GroupSolver::count_small_step(const Pack& pack, const double* of_lanes, Cou
 }
 
 Status GroupSolver::finish_small_step(Pack& pack, double* const (&state)[3], const Attempt& attempt,
-                                      const SmallStepFigures& figures, Counters& counters, StepErrors& errors) {
+                                      const SmallStepFigures& figures, AnchorStep& anchors, Counters& counters,
+                                      StepErrors& errors) {
   count_small_step(pack, figures.iterations, counters);
   const bool is_measured = figures.position > std::max(errors.position, kConverged);
   errors.position = is_measured ? std::max(errors.position, step_.residual_of(pack, state[0])) : figures.position;
   errors.velocity = figures.velocity;
   errors.acceleration = figures.acceleration;
   pack.keep_use(attempt.number);
-  if (!figures.balls_last) return renew_anchor(pack, state, attempt, counters);
-  std::copy_n(figures.ball_used, work_.lanes, pack.ball_used.begin());
-  return {};
+  if (figures.balls_last) {
+    std::copy_n(figures.ball_used, work_.lanes, pack.ball_used.begin());
+    return {};
+  }
+  pack.keep_anchor(attempt.number);
+  const double* const failed = anchors.renew_anchors(pack, state, attempt.time);
+  bool any = false;
+  for (std::int32_t l = 0; l < pack.used; ++l) {
+    if (figures.needs_anchor[l] <= 0) continue;
+    any = any || failed[l] > 0;
+    counters.branch_checks += failed[l] > 0 ? 0 : 1;
+  }
+  return any ? renew_anchor(pack, state, attempt, counters) : Status{};
 }
 
 Status GroupSolver::renew_anchor(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters) {

@@ -63,7 +63,8 @@ class GroupSolver {
   [[nodiscard]] bool has_small_step() const { return small_step_ != nullptr; }
   // After a small step that did not fail: counts its work, and makes new anchors where that is necessary.
   [[nodiscard]] Status finish_small_step(Pack& pack, double* const (&state)[3], const Attempt& attempt,
-                                         const SmallStepFigures& figures, Counters& counters, StepErrors& errors);
+                                         const SmallStepFigures& figures, AnchorStep& anchors, Counters& counters,
+                                         StepErrors& errors);
   // For a pack that another step solved: makes the posture of each lane whose next step may leave its ball the anchor.
   // Fails if a posture is not known to be on the branch.
   [[nodiscard]] Status renew_anchor(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters);

@@ -22,4 +22,14 @@ inline void point_to(const Pack& pack, double* const (&state)[3], double** memor
   put(Memory::ball_used, pack.ball_used.data());
 }
 
+// The same for what new anchors change besides.
+inline void point_to_anchor(const Pack& pack, double** memory) {
+  const auto put = [&](Memory m, const LaneArray& at) {
+    memory[static_cast<std::size_t>(m)] = const_cast<double*>(at.data());
+  };
+  put(Memory::lipschitz, pack.lipschitz);
+  put(Memory::anchor_rates, pack.anchor_rates);
+  put(Memory::anchor_time, pack.anchor_time);
+}
+
 }  // namespace assur

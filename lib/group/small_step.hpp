@@ -17,16 +17,24 @@ namespace assur {
 struct SmallStepFigures {
   // Relative residuals: the largest so far; run() raises them if no lane fails.
   double position = 0, velocity = 0, acceleration = 0;
-  const double *iterations = nullptr, *ball_used = nullptr;  // W
-  const double* failed = nullptr;                            // W: 0, or 1 where the general path must solve the step
-  bool balls_last = true;                                    // no lane needs another anchor before its next step
+  const double *iterations = nullptr, *ball_used = nullptr, *needs_anchor = nullptr;  // W
+  const double* failed = nullptr;  // W: 0, or 1 where the general path must solve the step
+  bool balls_last = true;          // no lane needs another anchor before its next step
+};
+
+// What makes new anchors after a step.
+class AnchorStep {
+ public:
+  virtual ~AnchorStep() = default;
+
+  // After a step of this pack in which no lane failed: see renew_anchors() (program/anchor-inl.hpp). time: of the step,
+  // s. Returns W numbers, positive for lanes that need an anchor and have none.
+  [[nodiscard]] virtual const double* renew_anchors(Pack& pack, double* const (&state)[3], double time) = 0;
 };
 
 // The step of the packs of one class.
-class SmallStep {
+class SmallStep : public AnchorStep {
  public:
-  virtual ~SmallStep() = default;
-
   // Tries the step. state[d]: d-th derivative of all coordinates, with the prediction in the unknowns of the pack.
   // True: the unknowns are solved by the rules of GroupSolver, to relative residuals of at most `converged`. False: the
   // factorisation, the convergence or the Kantorovich number of some lanes is unusual; their prediction is unchanged,

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 
+#include "group/pack_memory.hpp"
 #include "group/small_step.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -35,6 +36,28 @@ class StepSource : public PackSource<W> {
   double converged_, most_iterations_;
 };
 
+// Also reads and writes rows of memories.
+template <int W>
+class AnchorSource : public StepSource<W> {
+  using L = Lanes<W>;
+
+ public:
+  AnchorSource(const Pack& pack, const double* const* state, double* const* memory, double time)
+      : StepSource<W>(pack, state, 0, 0), memory_(memory), time_(time) {}
+
+  HWY_INLINE L load(Memory memory, std::size_t i) const { return L::load(at(memory, i)); }
+  HWY_INLINE void store(Memory memory, std::size_t i, const L& value) { value.store(at(memory, i)); }
+  HWY_INLINE L setting(GroupSetting) const { return L::set(time_); }
+
+ private:
+  HWY_INLINE double* at(Memory memory, std::size_t i) const {
+    return memory_[static_cast<std::size_t>(memory)] + i * W;
+  }
+
+  double* const* memory_;
+  double time_;
+};
+
 template <int W, int N, class Equations>
 class StepKernel final : public SmallStep {
   using L = Lanes<W>;
@@ -57,13 +80,11 @@ class StepKernel final : public SmallStep {
     if (derivatives_ > 0) store(rate, state[1] + pack.unknowns);
     if (derivatives_ > 1) store(acceleration, state[2] + pack.unknowns);
     store(s.x, state[0] + pack.unknowns);
-    s.failed.store(failed_);
-    figures.failed = failed_;
+    figures.failed = tell(GroupFigure::failed, s.failed);
     if (!less_equal(s.failed, L::set(0)).all()) return false;
-    s.iterations.store(iterations_);
-    of_step.ball_used.store(ball_used_);
-    figures.iterations = iterations_;
-    figures.ball_used = ball_used_;
+    figures.iterations = tell(GroupFigure::iterations, s.iterations);
+    figures.ball_used = tell(GroupFigure::ball_used, of_step.ball_used);
+    figures.needs_anchor = tell(GroupFigure::needs_anchor, of_step.needs_anchor);
     figures.balls_last = less_equal(of_step.needs_anchor, L::set(0)).all();
     raise(figures.position, s.relative);
     if (derivatives_ > 0) raise(figures.velocity, of_step.velocity);
@@ -71,7 +92,22 @@ class StepKernel final : public SmallStep {
     return true;
   }
 
+  const double* renew_anchors(Pack& pack, double* const (&state)[3], double time) override {
+    double* memory[kMemories];
+    point_to(pack, state, memory);
+    point_to_anchor(pack, memory);
+    memory[static_cast<std::size_t>(Memory::figures)] = figures_;
+    AnchorSource<W> io(pack, state, memory, time);
+    group_.renew_anchors(derivatives_, reads_, io);
+    return figures_ + static_cast<std::size_t>(GroupFigure::failed) * W;
+  }
+
  private:
+  HWY_INLINE const double* tell(GroupFigure f, const L& of) {
+    double* const to = figures_ + static_cast<std::size_t>(f) * W;
+    of.store(to);
+    return to;
+  }
   static HWY_INLINE void store(const L (&from)[N], double* to) {
     for (int j = 0; j < N; ++j) from[j].store(to + j * W);
   }
@@ -82,7 +118,7 @@ class StepKernel final : public SmallStep {
   int derivatives_;
   std::span<const std::int32_t> reads_;  // coordinates that the branch test examines
   Group group_;
-  alignas(kLineBytes) double failed_[W], iterations_[W], ball_used_[W];
+  alignas(kLineBytes) double figures_[kGroupFigures * W] = {};
 };
 
 template <int W, int N>

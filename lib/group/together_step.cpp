@@ -56,7 +56,7 @@ class TogetherKernel final : public TogetherStep {
       : shape_(shape), group_(of.reads, of.slopes, of.group_class, of.program, separable) {}
 
   void run(TogetherPass pass, std::span<double* const> memory) override {
-    for (std::size_t first = 0; first < idx(shape_.lanes); first += kTogetherLanes) {
+    for (std::size_t first = 0; first < idx(shape_.lanes_of(pass)); first += kTogetherLanes) {
       LaneIo io(memory.data(), shape_.stride, first);
       group_.run(pass, io);
     }
@@ -114,9 +114,9 @@ std::unique_ptr<TogetherStep> make_coded_together_step(const TogetherClass& of, 
                                                        StepCode& code) {
   std::array<std::shared_ptr<const Executor>, kTogetherPasses> passes;
   for (std::size_t k = 0; k < kTogetherPasses; ++k) {
+    const auto pass = static_cast<TogetherPass>(k);
     passes[k] =
-        code.of(together_program(static_cast<TogetherPass>(k), of.group_class, of.program, of.reads, of.slopes, shape),
-                shape.lanes);
+        code.of(together_program(pass, of.group_class, of.program, of.reads, of.slopes, shape), shape.lanes_of(pass));
     if (!passes[k]) return nullptr;
   }
   return std::make_unique<CodedTogetherStep>(std::move(passes));

@@ -83,7 +83,14 @@ void Together::make_classes() {
       const LaneArray& from = pack(c, place).coefficients;
       for (std::size_t i = 0; i < from.size(); ++i) c.coefficients[i * c.places + place] = from[i];
     }
+    c.lipschitz.resize(single.lipschitz.size() * c.places);
+    for (std::size_t place = 0; place < c.places; ++place) {
+      const LaneArray& from = pack(c, place).lipschitz;
+      for (std::size_t i = 0; i < from.size(); ++i) c.lipschitz[i * c.places + place] = from[i];
+    }
     c.anchor.resize(single.anchor.size() * c.places);
+    c.anchor_rates.resize(c.anchor.size());
+    c.anchor_time.resize(c.places);
     c.omega.resize(c.places);
     c.balls_used.resize(c.places);
     c.balls_used_before = c.balls_used;
@@ -92,7 +99,7 @@ void Together::make_classes() {
     }
     c.pivots.resize(pivots_of_group_step(of) * c.places);
     c.work.resize(work_of_together_step(of) * c.places);
-    c.figures.resize(kTogetherFigures * c.places);
+    c.figures.resize(kGroupFigures * c.places);
     c.of_slopes.resize(c.slopes.entries.size() * c.places);
     for (LaneArray* const inputs : {&c.inputs[0], &c.inputs[1], &c.inputs[2], &c.known_rates, &c.sources}) {
       inputs->resize(idx(of.inputs) * c.places);
@@ -202,6 +209,9 @@ void Together::fill(Class& c, Share& share) {
   put(of(Memory::pivots), c.pivots);
   put(of(Memory::anchor), c.anchor);
   put(of(Memory::omega), c.omega);
+  put(of(Memory::lipschitz), c.lipschitz);
+  put(of(Memory::anchor_rates), c.anchor_rates);
+  put(of(Memory::anchor_time), c.anchor_time);
   put(of(Memory::ball_used), c.balls_used);
   put(of(Memory::work), c.work);
   put(of(Memory::figures), c.figures);
@@ -311,7 +321,7 @@ bool Together::solve(double* const (&state)[3], const Attempt& attempt, Counters
   int corrections = 0;
   if (!converge(state, attempt, corrections)) return false;
   derive();
-  if (largest(TogetherFigure::failed) > 0) return false;
+  if (largest(GroupFigure::failed) > 0) return false;
   Counters more;
   std::copy_n(state[0] + layout_.first_unknown, prediction_.size(), prediction_.begin());
   write(state);
@@ -324,7 +334,7 @@ bool Together::solve(double* const (&state)[3], const Attempt& attempt, Counters
   }
   counters += more;
   count(corrections, counters);
-  double position = largest(TogetherFigure::position);
+  double position = largest(GroupFigure::position);
   if (position > std::max({errors.position, kConverged, attempt.converged})) {
     position = 0;
     for (const Pack& pack : layout_.packs) {
@@ -332,8 +342,8 @@ bool Together::solve(double* const (&state)[3], const Attempt& attempt, Counters
     }
   }
   errors.position = std::max(errors.position, position);
-  if (derivatives_ > 0) errors.velocity = std::max(errors.velocity, largest(TogetherFigure::velocity));
-  if (derivatives_ > 1) errors.acceleration = std::max(errors.acceleration, largest(TogetherFigure::acceleration));
+  if (derivatives_ > 0) errors.velocity = std::max(errors.velocity, largest(GroupFigure::velocity));
+  if (derivatives_ > 1) errors.acceleration = std::max(errors.acceleration, largest(GroupFigure::acceleration));
   return true;
 }
 
@@ -377,13 +387,14 @@ void Together::read(Class& c, const Share& share, double* const (&state)[3]) {
 bool Together::converge(double* const (&state)[3], const Attempt& attempt, int& corrections) {
   const auto set = [&](GroupSetting s, double to) { settings_[slot_of(s).index] = to; };
   set(GroupSetting::converged_at, attempt.converged);
+  set(GroupSetting::time, attempt.time);
   pass([&](Class& c, Share& share) { read(c, share, state); },
        [&](Class& c, Share& share) {
          kernels_.gather(share.sources, unknowns_[0].data(), c.places, c.inputs[0].data() + share.first);
          share.step->run(TogetherPass::begin, share.memory);
        });
-  while (largest(TogetherFigure::failed) <= 0) {
-    if (largest(TogetherFigure::open) <= 0) return true;
+  while (largest(GroupFigure::failed) <= 0) {
+    if (largest(kOpen) <= 0) return true;
     if (corrections == attempt.most_iterations) return false;
     pass([&](Class& c, Share& share) { couple(c, share, own_, true); });
     complete_loads();
@@ -492,7 +503,7 @@ void Together::complete_loads() {
   for (const Copy& copy : idle_) loads[copy.to] = loads[copy.from];
 }
 
-double Together::largest(TogetherFigure f) const {
+double Together::largest(GroupFigure f) const {
   double out = 0;
   for (const Class& c : classes_) {
     out = std::max(out, kernels_.largest(c.figures.data() + static_cast<std::size_t>(f) * c.places, c.places));
@@ -515,20 +526,46 @@ bool Together::keep_on_branch(double* const (&state)[3], const Attempt& attempt,
   balls_of_ = attempt.number;
   for (Class& c : classes_) c.balls_used_before = c.balls_used;
   for (Class& c : classes_) {
-    const auto row = [&](TogetherFigure f) { return c.figures.data() + static_cast<std::size_t>(f) * c.places; };
-    const double *const used = row(TogetherFigure::ball_used), *const needs_anchor = row(TogetherFigure::needs_anchor);
-    std::copy_n(used, c.places, c.balls_used.begin());
+    const auto row = [&](GroupFigure f) { return c.figures.data() + static_cast<std::size_t>(f) * c.places; };
+    const double *const needs_anchor = row(GroupFigure::needs_anchor), *const failed = row(GroupFigure::failed);
+    std::copy_n(row(GroupFigure::ball_used), c.places, c.balls_used.begin());
     if (kernels_.largest(needs_anchor, c.places) <= 0) continue;
-    for (std::size_t place = 0; place < c.groups.size(); ++place) {
-      if (needs_anchor[place] <= 0) continue;
-      c.balls_used[place] = c.balls_used_before[place];
-      if (!c.solver->renew_anchor(pack(c, place), state, attempt, counters).ok()) return false;
-      take_guard(c, place);
-      for (std::size_t idle = c.groups.size(); place == 0 && idle < c.places; ++idle) take_guard(c, idle);
+    for (std::size_t eight = 0; eight < c.places; eight += kTogetherLanes) {
+      if (kernels_.largest(needs_anchor + eight, kTogetherLanes) <= 0) continue;
+      const auto begin = static_cast<std::ptrdiff_t>(eight);
+      std::copy_n(c.balls_used_before.begin() + begin, kTogetherLanes, c.balls_used.begin() + begin);
+      renew_anchors(c, eight);
+      for (std::size_t place = eight; place < std::min(eight + kTogetherLanes, c.groups.size()); ++place) {
+        if (needs_anchor[place] <= 0) continue;
+        Pack& of = pack(c, place);
+        if (failed[place] <= 0) {
+          of.keep_anchor(attempt.number);
+          give_guard(c, place);
+          ++counters.branch_checks;
+          continue;
+        }
+        if (!c.solver->renew_anchor(of, state, attempt, counters).ok()) return false;
+        take_guard(c, place);
+        for (std::size_t idle = c.groups.size(); place == 0 && idle < c.places; ++idle) {
+          take_guard(c, idle);
+          c.balls_used[idle] = c.balls_used[0];
+        }
+      }
     }
-    std::fill(c.balls_used.begin() + std::ssize(c.groups), c.balls_used.end(), c.balls_used[0]);
   }
   return true;
+}
+
+// Of eight places, where that is necessary.
+void Together::renew_anchors(Class& c, std::size_t eight) {
+  for (Share& share : c.shares) {
+    if (eight < share.first || eight >= share.first + share.lanes) continue;
+    std::array<double*, kMemories> memory = share.memory;
+    for (double*& at : memory) {
+      if (at != nullptr && at != settings_.data()) at += eight - share.first;
+    }
+    share.step->run(TogetherPass::anchors, memory);
+  }
 }
 
 void Together::undo(std::int64_t attempt) {
@@ -568,14 +605,24 @@ void Together::take(const double* state) {
   up_to_date_ = true;
 }
 
+// Calls work(array of a group, array of the class) for what new anchors change.
+template <class Work>
+void Together::each_of_guard(Class& c, Pack& of, const Work& work) {
+  work(of.swaps, c.pivots);
+  work(of.anchor, c.anchor);
+  work(of.anchor_rates, c.anchor_rates);
+  work(of.anchor_time, c.anchor_time);
+  work(of.omega, c.omega);
+}
 void Together::take_guard(Class& c, std::size_t place) {
-  const Pack& from = pack(c, place);
-  const auto take = [&](const LaneArray& numbers, LaneArray& to) {
-    for (std::size_t i = 0; i < numbers.size(); ++i) to[i * c.places + place] = numbers[i];
-  };
-  take(from.swaps, c.pivots);
-  take(from.anchor, c.anchor);
-  take(from.omega, c.omega);
+  each_of_guard(c, pack(c, place), [&](const LaneArray& from, LaneArray& to) {
+    for (std::size_t i = 0; i < from.size(); ++i) to[i * c.places + place] = from[i];
+  });
+}
+void Together::give_guard(Class& c, std::size_t place) {
+  each_of_guard(c, pack(c, place), [&](LaneArray& to, const LaneArray& from) {
+    for (std::size_t i = 0; i < to.size(); ++i) to[i] = from[i * c.places + place];
+  });
 }
 
 }  // namespace assur

@@ -87,7 +87,8 @@ class Together {
     std::size_t unknowns, loads, first_gain;  // where those of the class begin
     Slopes slopes;
     std::vector<Gain> gains;
-    LaneArray coefficients, pivots, anchor, omega, balls_used, work, figures, of_slopes;
+    LaneArray coefficients, lipschitz, pivots, anchor, anchor_rates, anchor_time, omega, balls_used, work, figures,
+        of_slopes;
     std::array<LaneArray, 3> inputs;  // [d]: d-th derivatives
     LaneArray known_rates;            // input rates without those that groups compute
     LaneArray sources;                // changes of inputs
@@ -109,18 +110,22 @@ class Together {
   [[nodiscard]] Source source(const Class& c, std::size_t place, std::int32_t input) const;
 
   void take(const double* state);
+  template <class Work>
+  void each_of_guard(Class& c, Pack& of, const Work& work);
   void take_guard(Class& c, std::size_t place);
+  void give_guard(Class& c, std::size_t place);
   template <class... Works>
   void pass(const Works&... works);
   void read(Class& c, const Share& share, double* const (&state)[3]);
   void couple(const Class& c, const Share& share, const LaneArray& changes, bool with_gains);
   void complete(const Class& c, const Share& share, LaneArray& to) const;
   void complete_loads();
-  [[nodiscard]] double largest(TogetherFigure f) const;
+  [[nodiscard]] double largest(GroupFigure f) const;
   [[nodiscard]] bool converge(double* const (&state)[3], const Attempt& attempt, int& corrections);
   void derive();
   void write(double* const (&state)[3]);
   [[nodiscard]] bool keep_on_branch(double* const (&state)[3], const Attempt& attempt, Counters& counters);
+  void renew_anchors(Class& c, std::size_t eight);
   void count(int corrections, Counters& counters) const;
 
   const Structure& structure_;

@@ -5,6 +5,7 @@
 
 #include "group/pack_memory.hpp"
 #include "index.hpp"
+#include "program/group_step.hpp"
 #include "program/mechanism_step.hpp"
 
 namespace assur {
@@ -24,6 +25,14 @@ std::unique_ptr<WholeStep> WholeStep::make(Layout& layout, DriveProgram& drivers
   if (step.program.phases.empty()) return nullptr;
   out->code_ = code.of(step.program, 1);
   if (!out->code_) return nullptr;
+  for (const Pack& pack : layout.packs) {
+    const GroupSolver& s = out->solver(pack);
+    Anchors& anchors = out->anchors_.emplace_back();
+    anchors.of = out.get();
+    anchors.number = out->anchors_.size() - 1;
+    anchors.code = code.of(anchor_program(s.group_class(), s.program(), s.blocks().reads(0)), s.lanes());
+    if (!anchors.code) return nullptr;
+  }
   out->factors_.assign(step.factors.begin(), step.factors.end());
   out->weights_ = outline.weights;
   out->reserve(step.work);
@@ -95,6 +104,14 @@ bool WholeStep::run(double* const (&state)[3], const State::Prediction& predicti
   return find_figures();
 }
 
+const double* WholeStep::Anchors::renew_anchors(Pack& pack, double* const (&)[3], double time) {
+  of->settings_[slot_of(GroupSetting::time).index] = time;
+  double** const memory = &of->at(Memory{}, number);
+  point_to_anchor(pack, memory);
+  code->run({memory, kMemories});
+  return of->figures_[number].of_lanes + static_cast<std::size_t>(GroupFigure::failed) * idx(of->solver(pack).lanes());
+}
+
 // False if a lane fails.
 bool WholeStep::find_figures() {
   double failed = undefined_;
@@ -126,8 +143,10 @@ Status WholeStep::finish(double* const (&state)[3], const Attempt& attempt, Coun
     of_pack.acceleration = std::max(errors.acceleration, f[GroupFigure::acceleration]);
     of_pack.iterations = row(GroupFigure::iterations);
     of_pack.ball_used = row(GroupFigure::ball_used);
+    of_pack.needs_anchor = row(GroupFigure::needs_anchor);
     of_pack.balls_last = f[GroupFigure::needs_anchor] <= 0;
-    const Status s = solver(packs[p]).finish_small_step(packs[p], state, attempt, of_pack, counters, errors);
+    const Status s =
+        solver(packs[p]).finish_small_step(packs[p], state, attempt, of_pack, anchors_[p], counters, errors);
     if (s.ok() || !status.ok()) continue;
     status = s;
     failed = p;

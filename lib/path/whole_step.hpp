@@ -10,6 +10,7 @@
 
 #include "execute/step_code.hpp"
 #include "group/attempt.hpp"
+#include "group/small_step.hpp"
 #include "path/layout.hpp"
 #include "path/state.hpp"
 #include "program/group_step.hpp"
@@ -42,6 +43,14 @@ class WholeStep {
 
     [[nodiscard]] double operator[](GroupFigure f) const { return largest[static_cast<std::size_t>(f)]; }
   };
+  // New anchors of a pack.
+  struct Anchors final : AnchorStep {
+    [[nodiscard]] const double* renew_anchors(Pack& pack, double* const (&state)[3], double time) override;
+
+    WholeStep* of = nullptr;
+    std::size_t number = 0;  // of the pack
+    std::shared_ptr<const Executor> code;
+  };
   WholeStep(Layout& layout, DriveProgram& drivers) : layout_(layout), drivers_(drivers) {}
   [[nodiscard]] GroupSolver& solver(const Pack& pack) {
     return *layout_.solvers[static_cast<std::size_t>(pack.group_class)];
@@ -61,6 +70,7 @@ class WholeStep {
   LaneArray inputs_;              // of all groups
   LaneArray of_lanes_;            // figures of all groups
   std::vector<Figures> figures_;  // packs
+  std::vector<Anchors> anchors_;  // packs
   double undefined_ = 0;          // kUndefined
   std::vector<double*> memory_;
   std::array<double, kGroupSettings> settings_{};

@@ -142,6 +142,17 @@ GroupProgram write(const GroupClass& group_class, const Program& equations, std:
   return HWY_NAMESPACE::with_equations<Value, N>(group_class, equations, make);
 }
 
+template <int N>
+StepProgram write_anchor(const GroupClass& group_class, const Program& equations, std::span<const std::int32_t> reads) {
+  const auto make = [&]<class E>(std::type_identity<E>, const auto&... arguments) {
+    Graph graph;
+    GroupSlots io(graph, equations, std::uint16_t{0});
+    HWY_NAMESPACE::SmallGroup<Value, N, E>(arguments...).renew_anchors(group_class.derivatives, reads, io);
+    return StepProgram{{graph.phase()}, {}};
+  };
+  return HWY_NAMESPACE::with_equations<Value, N>(group_class, equations, make);
+}
+
 }  // namespace
 
 bool has_group_step(const GroupClass& c) {
@@ -154,6 +165,12 @@ GroupProgram group_step(const GroupClass& group_class, const Program& equations,
                         const GroupBegin* begin) {
   return equations.n == 2 ? write<2>(group_class, equations, reads, begin)
                           : write<3>(group_class, equations, reads, begin);
+}
+
+StepProgram anchor_program(const GroupClass& group_class, const Program& equations,
+                           std::span<const std::int32_t> reads) {
+  return equations.n == 2 ? write_anchor<2>(group_class, equations, reads)
+                          : write_anchor<3>(group_class, equations, reads);
 }
 
 }  // namespace assur

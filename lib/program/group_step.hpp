@@ -17,8 +17,9 @@ enum class GroupSetting : std::uint32_t {
   converged_at,     // relative residual at which the equations count as solved
   most_iterations,  // of Newton's method
   corrections,      // so far, of groups that are solved together
+  time,             // of the step, s; for new anchors
 };
-inline constexpr std::size_t kGroupSettings = 3;
+inline constexpr std::size_t kGroupSettings = 4;
 
 // What each lane tells in Memory::figures.
 enum class GroupFigure : std::uint32_t {
@@ -61,5 +62,10 @@ struct GroupBegin {
 // before column k is eliminated where the pivot of this pair is positive. begin: null for a step by itself
 [[nodiscard]] GroupProgram group_step(const GroupClass& group_class, const Program& equations,
                                       std::span<const std::int32_t> reads, const GroupBegin* begin = nullptr);
+
+// What follows a step after which a lane needs an anchor, see renew_anchors() (program/anchor-inl.hpp). Inputs and
+// figures are those of the step.
+[[nodiscard]] StepProgram anchor_program(const GroupClass& group_class, const Program& equations,
+                                         std::span<const std::int32_t> reads);
 
 }  // namespace assur

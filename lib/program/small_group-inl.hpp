@@ -9,6 +9,7 @@
 #define ASSUR_SMALL_GROUP_INL
 #endif
 
+#include "program/anchor-inl.hpp"
 #include "program/distance_equations-inl.hpp"
 #include "program/general_equations-inl.hpp"
 #include "program/group_tests-inl.hpp"
@@ -144,6 +145,12 @@ class SmallGroup {
     const L zero = L::set(0), one = L::set(1);
     s.failed = if_at_most(s.failed, zero, zero, one);
     for (int j = 0; j < N; ++j) s.x[j] = if_at_most(s.failed, zero, s.x[j], in.unknown(j));
+  }
+
+  // For the lanes that need an anchor after finish().
+  template <class Io>
+  HWY_INLINE void renew_anchors(int derivatives, std::span<const std::int32_t> reads, Io& io) {
+    HWY_NAMESPACE::renew_anchors<L, N>(io, derivatives, reads, equations_, lu_);
   }
 
  private:

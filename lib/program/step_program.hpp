@@ -66,9 +66,12 @@ enum class Memory : std::uint8_t {
   anchor,     // coordinates at the centre of the ball
   omega,      // of the ball
   ball_used,  // part of it, before the step
-  settings,   // bounds
-  work,       // from phase to phase
-  figures,    // what the step tells about itself
+  lipschitz,  // of the equations
+  anchor_rates,
+  anchor_time,  // s; NaN: without rates
+  settings,     // bounds
+  work,         // from phase to phase
+  figures,      // what the step tells about itself
   // of groups that are solved together with those of other levels (program/together_step.hpp)
   own,      // changes of the unknowns, alone
   slopes,   // of coupled equations along inputs

@@ -8,6 +8,7 @@
 #define ASSUR_TOGETHER_GROUP_INL
 #endif
 
+#include "program/anchor-inl.hpp"
 #include "program/distance_equations-inl.hpp"
 #include "program/group_tests-inl.hpp"
 #include "program/separable_equations-inl.hpp"
@@ -66,6 +67,8 @@ class TogetherGroup {
         return find_own_accelerations(io);
       case TogetherPass::finish:
         return finish(io);
+      case TogetherPass::anchors:
+        return renew_anchors<L, N>(io, derivatives_, reads_, s_, lu_);
     }
   }
 
@@ -85,17 +88,17 @@ class TogetherGroup {
     s_.evaluate(io, at.x, at.u, at.phi);
   }
   template <class Io>
-  static HWY_INLINE L figure(const Io& io, TogetherFigure f) {
+  static HWY_INLINE L figure(const Io& io, GroupFigure f) {
     return io.load(Memory::figures, static_cast<std::size_t>(f));
   }
   template <class Io>
-  static HWY_INLINE void tell(Io& io, TogetherFigure f, const L& value) {
+  static HWY_INLINE void tell(Io& io, GroupFigure f, const L& value) {
     io.store(Memory::figures, static_cast<std::size_t>(f), value);
   }
   // failed: 0, or anything else, even NaN
   template <class Io>
   static HWY_INLINE void tell_failed(Io& io, const L& failed) {
-    tell(io, TogetherFigure::failed, if_at_most(failed, L::set(0), L::set(0), L::set(1)));
+    tell(io, GroupFigure::failed, if_at_most(failed, L::set(0), L::set(0), L::set(1)));
   }
   template <class Io>
   static HWY_INLINE void store(Io& io, Memory memory, const Column& from, std::size_t first = 0) {
@@ -133,7 +136,7 @@ class TogetherGroup {
     if constexpr (kBegin) {
       open = Tests::is_open(ratio, converged);
     } else {
-      failed = figure(io, TogetherFigure::failed) + failed;
+      failed = figure(io, GroupFigure::failed) + failed;
       const typename Tests::Progress progress =
           Tests::judge(ratio, converged, relative, io.load(Memory::work, kRelative),
                        io.setting(GroupSetting::corrections), s_.may_vanish(), failed);
@@ -141,8 +144,8 @@ class TogetherGroup {
       open = progress.goes_on;
     }
     io.store(Memory::work, kRelative, relative);
-    tell(io, TogetherFigure::position, relative);
-    tell(io, TogetherFigure::open, open);
+    tell(io, GroupFigure::position, relative);
+    tell(io, kOpen, open);
 
     Matrix jacobian;
     s_.differentiate(io, at.u, jacobian);
@@ -188,7 +191,7 @@ class TogetherGroup {
     }
     const L used = Tests::times_omega(io, largest) + poison;
     const L limit = L::set(largest_first_correction(0)) * (L::set(1) - io.ball_used());
-    tell_failed(io, figure(io, TogetherFigure::failed) + if_at_most(used, limit, L::set(0), L::set(1)));
+    tell_failed(io, figure(io, GroupFigure::failed) + if_at_most(used, limit, L::set(0), L::set(1)));
   }
 
   template <class Io>
@@ -214,8 +217,8 @@ class TogetherGroup {
     s_.set_rates(io);
     s_.velocity_rhs(io, at.x, at.u, rhs);
     const L residual = Tests::residual(jacobian, Tests::norm_of(jacobian), rate, rhs);
-    tell(io, TogetherFigure::velocity, residual);
-    tell_failed(io, figure(io, TogetherFigure::failed) + (residual - residual));
+    tell(io, GroupFigure::velocity, residual);
+    tell_failed(io, figure(io, GroupFigure::failed) + (residual - residual));
     if (derivatives_ < 2) return;
     s_.set_accelerations(io);
     s_.acceleration_rhs(io, at.x, at.u, rate, rhs);
@@ -240,14 +243,14 @@ class TogetherGroup {
         of_row = of_row + io.load(Memory::loads, k);
       }
       const L residual = Tests::residual(jacobian, Tests::norm_of(jacobian), acceleration, rhs);
-      tell(io, TogetherFigure::acceleration, residual);
-      tell_failed(io, figure(io, TogetherFigure::failed) + (residual - residual));
+      tell(io, GroupFigure::acceleration, residual);
+      tell_failed(io, figure(io, GroupFigure::failed) + (residual - residual));
     }
     const L used = Tests::ball_use(io, reads_.size(), [&](std::size_t k) HWY_ATTR {
       return reads_[k] < N ? at.x[reads_[k]] : s_.input(reads_[k] - N);
     });
-    tell(io, TogetherFigure::ball_used, used);
-    tell(io, TogetherFigure::needs_anchor, Tests::needs_anchor(used, io.ball_used()));
+    tell(io, GroupFigure::ball_used, used);
+    tell(io, GroupFigure::needs_anchor, Tests::needs_anchor(used, io.ball_used()));
   }
 
   int derivatives_;

@@ -16,7 +16,7 @@ StepProgram write(TogetherPass pass, const GroupClass& group_class, const Progra
         GroupSlots io(graph, equations, shape.stride, Reach::from);
         Group(reads, slopes, group_class, equations, separable).run(pass, io);
         StepProgram out{{graph.phase()}, {}};
-        out.phases[0].lanes = shape.lanes;
+        out.phases[0].lanes = shape.lanes_of(pass);
         return out;
       });
 }

@@ -15,6 +15,7 @@
 
 #include "assur/structure.hpp"
 #include "equations/program.hpp"
+#include "program/group_step.hpp"
 #include "program/slopes.hpp"
 #include "program/step_program.hpp"
 
@@ -27,27 +28,22 @@ enum class TogetherPass : std::uint8_t {
   rates,          // own rates: Memory::input_rates without those that groups compute
   accelerations,  // own accelerations, likewise, but with all input rates; measures the rates
   finish,         // measures the accelerations, with Memory::loads of those of other groups; the branch test
+  anchors,        // see renew_anchors(); of kTogetherLanes groups only, because few of a class need one at a time
 };
-inline constexpr std::size_t kTogetherPasses = 6;
+inline constexpr std::size_t kTogetherPasses = 7;
 
-// What each lane tells in Memory::figures.
-enum class TogetherFigure : std::uint32_t {
-  failed,        // 0, or 1 if anything is unusual; from pass to pass
-  open,          // 1: the equations are not solved
-  position,      // relative residuals
-  velocity,      // of the linear system
-  acceleration,  // of the linear system
-  ball_used,     // omega |coordinates - anchor|
-  needs_anchor,  // 1: the next step may leave the ball
-};
-inline constexpr std::size_t kTogetherFigures = 7;
+// Each lane tells GroupFigures. In place of its iterations, which are those of all lanes: 1 as long as its equations
+// are not solved.
+inline constexpr GroupFigure kOpen = GroupFigure::iterations;
 
+inline constexpr int kTogetherLanes = 8;
 // Number k of the group in lane l lies at [k stride + l].
 struct TogetherShape {
   std::size_t stride;
   int lanes;  // a multiple of kTogetherLanes
+
+  [[nodiscard]] int lanes_of(TogetherPass pass) const { return pass == TogetherPass::anchors ? kTogetherLanes : lanes; }
 };
-inline constexpr int kTogetherLanes = 8;
 
 // Numbers of a group in Memory::work.
 [[nodiscard]] std::size_t work_of_together_step(const GroupClass& group_class);
