@@ -1,4 +1,5 @@
-// The backend `lanes` gives the same bits by machine code and by kernels, for every number of lanes, and in every tile.
+// The backend `lanes` gives the same bits by machine code and by kernels, for every number of lanes, in every tile, and
+// on any number of threads.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -47,6 +48,33 @@ Outcome run(const Scene& scene, const std::string& lanes, bool machine_code) {
   return {std::move(rows), simulator.report()};
 }
 
+void expect_same_bits(const Outcome& found, const Outcome& expected) {
+  EXPECT_TRUE(same_bits(found.rows.values(), expected.rows.values()));
+  EXPECT_EQ(found.report.status.code, expected.report.status.code);
+  EXPECT_EQ(found.report.events.size(), expected.report.events.size());
+  for (const auto figure : {&ErrorFigures::position, &ErrorFigures::velocity, &ErrorFigures::acceleration}) {
+    EXPECT_TRUE(test::same_bits(found.report.error.*figure, expected.report.error.*figure));
+  }
+}
+
+// The groups of all levels together: machine code and kernels agree, for every number of lanes, and on two threads.
+// False if the strategy cannot solve the mechanism.
+bool expect_same_bits_together(const Scene& scene) {
+  try {
+    (void)with(scene, "irreducible/lanes:4+together", false);
+  } catch (const Error&) {
+    return false;
+  }
+  const Outcome expected = run(scene, "lanes:4+together", false);
+  for (const char* way : {"lanes:4+together", "lanes:8+together", "lanes:16+together", "lanes:8+together 2x1"}) {
+    for (const bool code : {true, false}) {
+      SCOPED_TRACE(scene.name() + " " + way + (code ? ", machine code" : ", kernels"));
+      expect_same_bits(run(scene, way, code), expected);
+    }
+  }
+  return true;
+}
+
 // Machine code and kernels agree; and if all groups are small, so do all numbers of lanes. True if they are.
 bool expect_same_bits(const Scene& scene) {
   const bool small = only_small_groups(*with(scene, "irreducible/lanes", false).structure);
@@ -56,13 +84,7 @@ bool expect_same_bits(const Scene& scene) {
     const Outcome expected = small ? one : run(scene, lanes, false);
     for (const bool code : {true, false}) {
       SCOPED_TRACE(code ? "machine code" : "kernels");
-      const Outcome found = run(scene, lanes, code);
-      EXPECT_TRUE(same_bits(found.rows.values(), expected.rows.values()));
-      EXPECT_EQ(found.report.status.code, expected.report.status.code);
-      EXPECT_EQ(found.report.events.size(), expected.report.events.size());
-      for (const auto figure : {&ErrorFigures::position, &ErrorFigures::velocity, &ErrorFigures::acceleration}) {
-        EXPECT_TRUE(test::same_bits(found.report.error.*figure, expected.report.error.*figure));
-      }
+      expect_same_bits(run(scene, lanes, code), expected);
     }
   }
   return small;
@@ -72,6 +94,32 @@ TEST(SameBits, EveryShippedMechanism) {
   int small = 0;
   for (const auto& file : test::shipped_files()) small += expect_same_bits(shortened(read_scene(file))) ? 1 : 0;
   EXPECT_GT(small, 10);
+}
+
+TEST(SameBits, ShippedMechanismsTogether) {
+  int moved = 0;
+  for (const auto& file : test::shipped_files()) {
+    moved += expect_same_bits_together(shortened(read_scene(file))) ? 1 : 0;
+  }
+  EXPECT_GE(moved, 3);
+}
+
+TEST(SameBits, ChainsTogether) {
+  for (const char* text : {"four_bar:1", "four_bar:7", "four_bar:64", "n_four_bar:40", "jansen:4",
+                           "stewart:platforms=3", "slider_crank"}) {
+    EXPECT_TRUE(expect_same_bits_together(shortened(sample(text)))) << text;
+  }
+}
+
+TEST(SameBits, RandomMechanismsTogether) {
+  test::Draw draw(11);
+  const int count = test::random_count(60);
+  int moved = 0;
+  for (int i = 0; i < count; ++i) {
+    const Scene scene = draw.maybe() ? test::planar_mechanism(draw) : test::spatial_mechanism(draw);
+    moved += expect_same_bits_together(shortened(scene)) ? 1 : 0;
+  }
+  EXPECT_GT(moved, count / 4);
 }
 
 TEST(SameBits, RandomMechanisms) {
