@@ -26,17 +26,15 @@ struct GroupTests {
   static HWY_INLINE void multiply(const Column& a, const Column& b, Column& out) {
     for (int i = 0; i < N; ++i) out[i] = a[i] * b[i];
   }
-  // sum: not finite if a number is not, which the comparisons of a maximum would lose; see poison().
-  static HWY_INLINE void include(const L& number, L& largest, L& sum) {
+  // poison: NaN if a number is not finite, else 0. The comparisons of a maximum would lose it.
+  static HWY_INLINE void include(const L& number, L& largest, L& poison) {
     largest = max(abs(number), largest);
-    sum = sum + number;
+    poison = poison + (number - number);
   }
-  // 0, or NaN if the sum is not finite.
-  static HWY_INLINE L poison(const L& sum) { return sum - sum; }
   static HWY_INLINE L largest_of(const Column& numbers) {
-    L largest = L::set(0), sum = largest;
-    for (int i = 0; i < N; ++i) include(numbers[i], largest, sum);
-    return largest + poison(sum);
+    L largest = L::set(0), poison = largest;
+    for (int i = 0; i < N; ++i) include(numbers[i], largest, poison);
+    return largest + poison;
   }
   // 0 if all numbers are at most the bound, else 1, also for NaN.
   static HWY_INLINE L is_open(const Column& numbers, const L& bound) {
@@ -51,9 +49,9 @@ struct GroupTests {
   }
   template <class Source>
   static HWY_INLINE L part_of_ball(const Source& in, const Column& by) {
-    L largest = L::set(0), sum = largest;
-    for (int i = 0; i < N; ++i) include(by[i], largest, sum);
-    return times_omega(in, largest) + poison(sum);
+    L largest = L::set(0), poison = largest;
+    for (int i = 0; i < N; ++i) include(by[i], largest, poison);
+    return times_omega(in, largest) + poison;
   }
   // Maximum norm.
   static HWY_INLINE L norm_of(const Matrix& matrix) {
@@ -68,16 +66,16 @@ struct GroupTests {
   // |b - J x| / (|J| |x| + |b|) in maximum norms.
   static HWY_INLINE L residual(const Matrix& jacobian, const L& norm, const Column& x, const Column& b) {
     const L zero = L::set(0);
-    L left = zero, sum = zero, norm_x = zero, size = zero;
+    L left = zero, poison = zero, norm_x = zero, size = zero;
     for (int i = 0; i < N; ++i) {
       L rest = b[i];
       for (int j = 0; j < N; ++j) rest.subtract_product(jacobian[i][j], x[j]);
-      include(rest, left, sum);
+      include(rest, left, poison);
       norm_x = max(abs(x[i]), norm_x);
       size = max(abs(b[i]), size);
     }
     size.add_product(norm, norm_x);
-    return (left + poison(sum)) / if_at_most(size, zero, L::set(1), size);
+    return (left + poison) / if_at_most(size, zero, L::set(1), size);
   }
 
   // What a correction achieved.
@@ -102,9 +100,9 @@ struct GroupTests {
   // omega |coordinates - anchor|. at(k): coordinate k of the branch test
   template <class Source, class At>
   static HWY_INLINE L ball_use(const Source& in, std::size_t coordinates, const At& at) {
-    L moved = L::set(0), sum = moved;
-    for (std::size_t k = 0; k < coordinates; ++k) include(at(k) - in.anchor(k), moved, sum);
-    return times_omega(in, moved) + poison(sum);
+    L moved = L::set(0), poison = moved;
+    for (std::size_t k = 0; k < coordinates; ++k) include(at(k) - in.anchor(k), moved, poison);
+    return times_omega(in, moved) + poison;
   }
   // 1 if the next step of this length may leave the ball, see ball_lasts().
   static HWY_INLINE L needs_anchor(const L& used, const L& before) {

@@ -184,12 +184,12 @@ class TogetherGroup {
 
   template <class Io>
   HWY_INLINE void approach(Io& io) {
-    L largest = L::set(0), sum = largest;
-    for (std::size_t j = 0; j < N; ++j) Tests::include(io.load(Memory::change, j), largest, sum);
+    L largest = L::set(0), poison = largest;
+    for (std::size_t j = 0; j < N; ++j) Tests::include(io.load(Memory::change, j), largest, poison);
     for (const Slopes::Entry& e : slopes_.entries) {
-      Tests::include(io.load(Memory::sources, idx(e.input)), largest, sum);
+      Tests::include(io.load(Memory::sources, idx(e.input)), largest, poison);
     }
-    const L used = Tests::times_omega(io, largest) + Tests::poison(sum);
+    const L used = Tests::times_omega(io, largest) + poison;
     const L limit = L::set(largest_first_correction(0)) * (L::set(1) - io.ball_used());
     tell_failed(io, figure(io, GroupFigure::failed) + if_at_most(used, limit, L::set(0), L::set(1)));
   }
