@@ -6,7 +6,8 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "backends/lanes_kernels.cpp"
 #include <hwy/foreach_target.h>
-#include <hwy/highway.h>
+
+#include "fused-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace assur::lanes {
@@ -14,6 +15,8 @@ namespace HWY_NAMESPACE {
 namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
+using assur::HWY_NAMESPACE::fused;
+using assur::HWY_NAMESPACE::fused_negated;
 using Number = Elimination::Number;
 
 // kVectors vectors: all lanes of a slot, or some of them if vectors are short.
@@ -99,7 +102,7 @@ HWY_INLINE L times(const L& a, const L& b) {
 template <class L>
 HWY_INLINE L minus_product(const L& a, const L& b, const L& c) {
   L r;
-  for (int i = 0; i < L::kVectors; ++i) r.v[i] = hn::NegMulAdd(a.v[i], b.v[i], c.v[i]);
+  for (int i = 0; i < L::kVectors; ++i) r.v[i] = fused_negated(typename L::D(), a.v[i], b.v[i], c.v[i]);
   return r;
 }
 template <class L>
@@ -113,7 +116,7 @@ HWY_INLINE L reciprocal(const L& a) {
 template <class L>
 HWY_INLINE L add_square(const L& sum, const L& a) {
   L r;
-  for (int i = 0; i < L::kVectors; ++i) r.v[i] = hn::MulAdd(a.v[i], a.v[i], sum.v[i]);
+  for (int i = 0; i < L::kVectors; ++i) r.v[i] = fused(typename L::D(), a.v[i], a.v[i], sum.v[i]);
   return r;
 }
 
@@ -170,7 +173,7 @@ HWY_INLINE Alarms factorize_part(const Elimination& p, const double* values, T* 
       const auto of_d = hn::Mul(diagonal.v[i], diagonal.v[i]), of_row = hn::Add(hn::Add(of_l.v[i], of_d), of_u.v[i]);
       // Strict comparisons are false for NaN, so infinities and zero rows raise alarms.
       grown[i] = hn::Or(grown[i], hn::Not(hn::Lt(hn::Mul(hn::Mul(of_row, shrink), largest_u.v[i]), of_a.v[i])));
-      small[i] = hn::Or(small[i], hn::Not(hn::Ge(of_d, hn::MulAdd(of_a.v[i], pivot, smallest))));
+      small[i] = hn::Or(small[i], hn::Not(hn::Ge(of_d, fused(typename L::D(), of_a.v[i], pivot, smallest))));
       largest_u.v[i] = hn::Max(largest_u.v[i], hn::Mul(hn::Mul(of_u.v[i], r.v[i]), r.v[i]));
     }
   }

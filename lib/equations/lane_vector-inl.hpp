@@ -8,7 +8,7 @@
 #define ASSUR_LANE_VECTOR_INL
 #endif
 
-#include <hwy/highway.h>
+#include "fused-inl.hpp"
 
 #include <cstddef>
 #include <cstdint>
@@ -61,12 +61,12 @@ struct Lanes {
     for (int i = 0; i < kVectors; ++i) a.v[i] = hn::Div(a.v[i], b.v[i]);
     return a;
   }
-  // sum + a * b and sum - a * b, rounded once where the target can
+  // sum + a * b and sum - a * b, rounded once
   HWY_INLINE void add_product(const Lanes& a, const Lanes& b) {
-    for (int i = 0; i < kVectors; ++i) v[i] = hn::MulAdd(a.v[i], b.v[i], v[i]);
+    for (int i = 0; i < kVectors; ++i) v[i] = fused(D(), a.v[i], b.v[i], v[i]);
   }
   HWY_INLINE void subtract_product(const Lanes& a, const Lanes& b) {
-    for (int i = 0; i < kVectors; ++i) v[i] = hn::NegMulAdd(a.v[i], b.v[i], v[i]);
+    for (int i = 0; i < kVectors; ++i) v[i] = fused_negated(D(), a.v[i], b.v[i], v[i]);
   }
   friend HWY_INLINE HWY_ATTR Lanes abs(Lanes a) {
     for (int i = 0; i < kVectors; ++i) a.v[i] = hn::Abs(a.v[i]);

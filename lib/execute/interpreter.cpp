@@ -3,12 +3,11 @@
 #define HWY_TARGET_INCLUDE "execute/interpreter.cpp"
 #include <hwy/foreach_target.h>  // must precede the code compiled for each target
 
-#include <hwy/highway.h>
+#include "fused-inl.hpp"
 
 #include "execute/executor.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -21,8 +20,6 @@
 HWY_BEFORE_NAMESPACE();
 namespace assur::HWY_NAMESPACE {
 namespace {
-
-namespace hn = hwy::HWY_NAMESPACE;
 
 template <int W>
 class Interpreter final : public Executor {
@@ -147,21 +144,6 @@ class Interpreter final : public Executor {
     const std::int32_t* const address = addresses_.data() + n.operand[0].offset + from.first;
     for (int l = 0; l < W; ++l) to[l] = from.memory[n.operand[0].source][address[l]];
   }
-  // c + a b, rounded once.
-  static HWY_INLINE V fused(V a, V b, V c) {
-#if HWY_NATIVE_FMA
-    return hn::MulAdd(a, b, c);
-#else
-    const D d;
-    HWY_ALIGN double x[hn::MaxLanes(D())], y[hn::MaxLanes(D())], z[hn::MaxLanes(D())];
-    hn::Store(a, d, x);
-    hn::Store(b, d, y);
-    hn::Store(c, d, z);
-    for (std::size_t i = 0; i < hn::MaxLanes(D()); ++i) z[i] = std::fma(x[i], y[i], z[i]);
-    return hn::Load(d, z);
-#endif
-  }
-
   void run(const Listing& listing, const From& from) const {
     const D d;
     for (const Operation& n : listing.operations) {
@@ -199,17 +181,17 @@ class Interpreter final : public Executor {
           break;
         case Op::fma: {
           const double* const c = at(n.operand[2]);
-          each([&](std::size_t l) HWY_ATTR { return fused(v(a, l), v(b, l), v(c, l)); });
+          each([&](std::size_t l) HWY_ATTR { return fused(d, v(a, l), v(b, l), v(c, l)); });
           break;
         }
         case Op::fnma: {
           const double* const c = at(n.operand[2]);
-          each([&](std::size_t l) HWY_ATTR { return fused(hn::Neg(v(a, l)), v(b, l), v(c, l)); });
+          each([&](std::size_t l) HWY_ATTR { return fused_negated(d, v(a, l), v(b, l), v(c, l)); });
           break;
         }
         case Op::fms: {
           const double* const c = at(n.operand[2]);
-          each([&](std::size_t l) HWY_ATTR { return fused(v(a, l), v(b, l), hn::Neg(v(c, l))); });
+          each([&](std::size_t l) HWY_ATTR { return fused(d, v(a, l), v(b, l), hn::Neg(v(c, l))); });
           break;
         }
         case Op::square_root:

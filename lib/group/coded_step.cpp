@@ -1,4 +1,4 @@
-// The ordinary step of a small group as machine code (execute/step_code.hpp).
+// The ordinary step of a small group as a program (program/group_step.hpp) that an executor runs.
 #include <algorithm>
 #include <array>
 #include <memory>
@@ -92,6 +92,14 @@ const double* CodedStep::renew_anchors(Pack& pack, double* const (&)[3], double 
 }
 
 }  // namespace
+
+std::unique_ptr<SmallStep> make_interpreted_step(const Workspace& work, const BlockConditions& blocks) {
+  const auto reads = blocks.reads(0);
+  const GroupProgram step = group_step(work.group_class, work.program, reads);
+  return std::make_unique<CodedStep>(
+      work, CodeOfStep{make_interpreter(step.program, work.lanes), step.work},
+      make_interpreter(anchor_program(work.group_class, work.program, reads), work.lanes));
+}
 
 std::unique_ptr<SmallStep> make_coded_step(const Workspace& work, const BlockConditions& blocks, StepCode& code) {
   CodeOfStep of_step = code.of(work.group_class, work.program, blocks.reads(0), work.lanes);

@@ -169,7 +169,7 @@ void chain(const double* gains, double before, std::int32_t count, double* loads
     combine<1>(gain, load);
     combine<2>(gain, load);
     combine<4>(gain, load);
-    for (int k = 0; k < L::kVectors; ++k) load.v[k] = hn::MulAdd(gain.v[k], carried, load.v[k]);
+    for (int k = 0; k < L::kVectors; ++k) load.v[k] = fused(d, gain.v[k], carried, load.v[k]);
     carried = hn::TableLookupLanes(load.v[L::kVectors - 1], last);
     load.store(loads + i);
   }

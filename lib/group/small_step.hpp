@@ -43,8 +43,10 @@ class SmallStep : public AnchorStep {
                                  SmallStepFigures& figures) = 0;
 };
 
-// By kernels. Null for a class that has no group_step(), or if this processor has no SIMD. All must outlive the step.
+// By kernels, or by the interpreter if this processor has no SIMD. Null for a class that has no group_step(). All must
+// outlive the step.
 [[nodiscard]] std::unique_ptr<SmallStep> make_small_step(const Workspace& work, const BlockConditions& blocks);
+[[nodiscard]] std::unique_ptr<SmallStep> make_interpreted_step(const Workspace& work, const BlockConditions& blocks);
 // By machine code, for a class that has a group_step(). Null if there is none.
 [[nodiscard]] std::unique_ptr<SmallStep> make_coded_step(const Workspace& work, const BlockConditions& blocks,
                                                          StepCode& code);

@@ -135,8 +135,7 @@ SmallStep* of_lanes(const GroupClass& group_class, const Program& program, std::
 }
 
 #if (HWY_TARGET == HWY_SCALAR || HWY_TARGET == HWY_EMU128) && !defined(HWY_COMPILE_ONLY_SCALAR)
-// Without SIMD, these steps would take half of the compile time of this file. GroupSolver does without them where other
-// targets are compiled, too.
+// Without SIMD, these kernels would take half of the compile time of this file: see make_small_step().
 SmallStep* make(const GroupClass&, const Program&, std::span<const std::int32_t>, int) { return nullptr; }
 #else
 SmallStep* make(const GroupClass& group_class, const Program& program, std::span<const std::int32_t> reads, int lanes) {
@@ -166,8 +165,9 @@ HWY_EXPORT(make);
 
 std::unique_ptr<SmallStep> make_small_step(const Workspace& work, const BlockConditions& blocks) {
   if (!has_group_step(work.group_class)) return nullptr;
-  return std::unique_ptr<SmallStep>(
+  std::unique_ptr<SmallStep> kernel(
       HWY_DYNAMIC_DISPATCH(make)(work.group_class, work.program, blocks.reads(0), work.lanes));
+  return kernel != nullptr ? std::move(kernel) : make_interpreted_step(work, blocks);
 }
 
 }  // namespace assur

@@ -15,8 +15,6 @@ HWY_BEFORE_NAMESPACE();
 namespace assur::HWY_NAMESPACE {
 namespace {
 
-#if HWY_NATIVE_FMA
-
 using L = Lanes<kAngleBlock>;
 
 void sin_cos(const double* angles, std::size_t count, double* sines, double* cosines) {
@@ -45,32 +43,6 @@ void add_harmonics(const HarmonicBlock* blocks, std::size_t count, double time, 
     acceleration.store(a);
   }
 }
-
-#else  // without FMA: the reduction needs products that are not rounded
-
-void sin_cos(const double* angles, std::size_t count, double* sines, double* cosines) {
-  for (std::size_t i = 0; i < count; ++i) {
-    sines[i] = std::sin(angles[i]);
-    cosines[i] = std::cos(angles[i]);
-  }
-}
-
-void add_harmonics(const HarmonicBlock* blocks, std::size_t count, double t, double* values, double* rates,
-                   double* accelerations) {
-  for (const HarmonicBlock* b = blocks; b != blocks + count; ++b) {
-    for (std::size_t i = 0; i < kAngleBlock; ++i) {
-      if (b->amplitude[i] == 0) continue;
-      const double angle = law_detail::two_pi<double>() * law_detail::cycles(b->frequency[i], t) + b->phase[i];
-      const double s = b->amplitude[i] * std::sin(angle), c = b->amplitude[i] * std::cos(angle);
-      const std::size_t k = static_cast<std::size_t>(b->slot) + i;
-      values[k] += s;
-      rates[k] += b->omega[i] * c;
-      accelerations[k] -= b->omega[i] * b->omega[i] * s;
-    }
-  }
-}
-
-#endif
 
 constexpr AngleKernels kKernels = {sin_cos, add_harmonics};
 const AngleKernels* kernels() { return &kKernels; }

@@ -1,6 +1,7 @@
 // The backend `lanes` gives the same bits by machine code and by kernels, for every number of lanes, in every tile, and
 // on any number of threads.
 #include <gtest/gtest.h>
+#include <hwy/targets.h>
 
 #include <algorithm>
 #include <string>
@@ -94,6 +95,26 @@ TEST(SameBits, EveryShippedMechanism) {
   int small = 0;
   for (const auto& file : test::shipped_files()) small += expect_same_bits(shortened(read_scene(file))) ? 1 : 0;
   EXPECT_GT(small, 10);
+}
+
+// Also without instructions for fused products.
+TEST(SameBits, EveryInstructionSet) {
+  int sets = 0;
+  for (const auto& file : test::shipped_files()) {
+    const Scene scene = shortened(read_scene(file));
+    const Outcome expected = run(scene, "lanes:8", true);
+    sets = 0;
+    for (std::int64_t left = hwy::SupportedTargets(); left != 0; left &= left - 1, ++sets) {
+      SCOPED_TRACE(scene.name() + " " + hwy::TargetName(left & -left));
+      hwy::SetSupportedTargetsForTest(left & -left);
+      const Outcome found = run(scene, "lanes:8", false);
+      hwy::SetSupportedTargetsForTest(0);
+      EXPECT_TRUE(same_bits(found.rows.values(), expected.rows.values()));
+      EXPECT_EQ(found.report.status.code, expected.report.status.code);
+    }
+    if (testing::Test::HasFailure()) return;
+  }
+  EXPECT_GT(sets, 0);
 }
 
 TEST(SameBits, ShippedMechanismsTogether) {
