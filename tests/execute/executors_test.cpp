@@ -1,4 +1,5 @@
 #include "execute/executors.hpp"
+#include "execute/step_code.hpp"
 
 #include <gtest/gtest.h>
 
@@ -230,6 +231,45 @@ TEST(Executors, FindNumbersByTheirReach) {
       std::fill(taken.begin(), taken.end(), -1);
       e.executor->run(memory);
       EXPECT_EQ(taken, expected);
+    }
+  }
+}
+
+// More lanes than vectors are written for, one after the other.
+TEST(Executors, LoopOverManyLanes) {
+  for (const int lanes : {40, 72, 1000}) {
+    const auto w = static_cast<std::size_t>(lanes);
+    Graph g;
+    const Value row = g.load({Memory::state, 1}), from = g.load({Memory::state, 5, Reach::from});
+    const Value one = g.load({Memory::factors, 1, Reach::one});
+    g.store({Memory::outputs, 0}, row * one + from);
+    g.store({Memory::outputs, 2 * static_cast<std::uint32_t>(lanes) + 3, Reach::from}, row - from);
+    StepProgram program{{g.phase()}};
+    program.phases[0].lanes = lanes;
+    Graph next;  // reads what the first phase stored, and is no loop
+    next.store({Memory::work, 0, Reach::one}, next.load({Memory::outputs, 7, Reach::one}) + Value::set(1));
+    program.phases.push_back(next.phase());
+    program.phases[1].lanes = 1;
+    std::vector<double> given(2 * w), taken(3 * w + 3, -1), expected = taken, factors = {0, 3}, work(1);
+    for (std::size_t i = 0; i < given.size(); ++i) given[i] = 1 + static_cast<double>(i * i);
+    std::array<double*, kMemories> memory{};
+    memory[static_cast<std::size_t>(Memory::state)] = given.data();
+    memory[static_cast<std::size_t>(Memory::factors)] = factors.data();
+    memory[static_cast<std::size_t>(Memory::outputs)] = taken.data();
+    memory[static_cast<std::size_t>(Memory::work)] = work.data();
+    for (std::size_t l = 0; l < w; ++l) {
+      expected[l] = given[w + l] * 3 + given[5 + l];
+      expected[2 * w + 3 + l] = given[w + l] - given[5 + l];
+    }
+    const auto executors = test::executors_of(program, {8});
+    const bool has_code = (hwy::SupportedTargets() & HWY_AVX2) != 0 && step_code() != nullptr;
+    EXPECT_GE(executors.size(), has_code ? 2 : 1);
+    for (const test::NamedExecutor& e : executors) {
+      SCOPED_TRACE(e.name + ", " + std::to_string(lanes));
+      std::fill(taken.begin(), taken.end(), -1);
+      e.executor->run(memory);
+      EXPECT_EQ(taken, expected);
+      EXPECT_EQ(work[0], expected[7] + 1);
     }
   }
 }

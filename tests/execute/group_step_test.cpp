@@ -61,9 +61,17 @@ struct Setting {
 
   [[nodiscard]] test::StepMemory memory(std::size_t first, int lanes, std::size_t work) const {
     const auto n = idx(group_class.n), inputs = idx(group_class.inputs);
-    test::StepMemory m({equations.coefficients.size(), inputs, inputs, inputs, n, n, n,
-                        pivots_of_group_step(group_class), reads.size(), 1, 1, kGroupSettings, work, kGroupFigures},
-                       lanes);
+    std::array<std::size_t, kMemories> sizes{};
+    const auto size = [&](Memory memory) -> std::size_t& { return sizes[static_cast<std::size_t>(memory)]; };
+    size(Memory::coefficients) = equations.coefficients.size();
+    for (const Memory of : {Memory::inputs, Memory::input_rates, Memory::input_accelerations}) size(of) = inputs;
+    for (const Memory of : {Memory::unknowns, Memory::rates, Memory::accelerations, Memory::lipschitz}) size(of) = n;
+    size(Memory::pivots) = pivots_of_group_step(group_class);
+    size(Memory::anchor) = size(Memory::anchor_rates) = reads.size();
+    size(Memory::settings) = kGroupSettings;
+    size(Memory::work) = work;
+    size(Memory::figures) = kGroupFigures;
+    test::StepMemory m(sizes, lanes);
     for (std::size_t l = 0; l < idx(lanes); ++l) {
       const Case& c = cases[first + l];
       const auto put = [&](Memory memory, const std::vector<double>& numbers) {
@@ -82,12 +90,14 @@ struct Setting {
       for (std::size_t k = 0; k < pivots_of_group_step(group_class); ++k) {
         m({Memory::pivots, static_cast<std::uint32_t>(k)}, l) = (first + l + k) % 2 == 0 ? 1 : -1;
       }
+      for (std::size_t i = 0; i < n; ++i) m({Memory::lipschitz, static_cast<std::uint32_t>(i)}, l) = c.omega;
       m({Memory::omega, 0}, l) = c.omega;
       m({Memory::ball_used, 0}, l) = 0;
     }
     double* const settings = m.at[static_cast<std::size_t>(Memory::settings)];
     settings[slot_of(GroupSetting::converged_at).index] = kConverged;
     settings[slot_of(GroupSetting::most_iterations).index] = 10;
+    settings[slot_of(GroupSetting::time).index] = 3;
     return m;
   }
 
@@ -112,6 +122,17 @@ std::vector<std::uint64_t> bits_of(test::StepMemory& m, const Setting& at, std::
   }
   for (std::size_t f = 0; f < kGroupFigures; ++f)
     all.push_back(bits(m({Memory::figures, static_cast<std::uint32_t>(f)}, lane)));
+  for (const Memory memory : {Memory::omega, Memory::ball_used, Memory::anchor_time}) {
+    all.push_back(bits(m({memory, 0}, lane)));
+  }
+  for (std::size_t k = 0; k < at.reads.size(); ++k) {
+    for (const Memory memory : {Memory::anchor, Memory::anchor_rates}) {
+      all.push_back(bits(m({memory, static_cast<std::uint32_t>(k)}, lane)));
+    }
+  }
+  for (std::size_t k = 0; k < pivots_of_group_step(at.group_class); ++k) {
+    all.push_back(bits(m({Memory::pivots, static_cast<std::uint32_t>(k)}, lane)));
+  }
   return all;
 }
 
@@ -152,7 +173,33 @@ void expect_solved(test::StepMemory& m, const Setting& at) {
   expect_near(Memory::accelerations, lu.solve(rhs));
 }
 
-// Every class of two or three unknowns of the shipped mechanisms.
+// Against BlockConditions, which measure one group after the other.
+void expect_anchor(test::StepMemory& m, const Setting& at) {
+  const auto n = idx(at.group_class.n);
+  const auto evaluator = make_evaluator(*at.s.system, at.equations, 1);
+  const Setting::Case& c = at.cases[0];
+  std::vector<double> phi(n), scale(n), jacobian(at.equations.pattern.nnz()), lipschitz(n, c.omega);
+  evaluator->set_inputs(c.coefficients.data(), c.inputs.data());
+  evaluator->evaluate(m.at[static_cast<std::size_t>(Memory::unknowns)], phi.data(), jacobian.data());
+  evaluator->scale(scale.data());
+  BlockConditions blocks(at.group_class, at.equations, 1);
+  double omega = 0, left = 0;
+  blocks.measure(0, jacobian.data(), {lipschitz.data(), scale.data()}, nullptr, {&omega, &left});
+  const bool renews = omega * kConverged * left <= kRoundingRoom;
+  EXPECT_EQ(m(slot_of(GroupFigure::failed), 0), renews ? 0 : 1);
+  if (!renews) return;
+  EXPECT_NEAR(m({Memory::omega, 0}, 0), omega, 1e-9 * omega);
+  EXPECT_EQ(m({Memory::ball_used, 0}, 0), 0);
+  for (std::size_t k = 0; k < at.reads.size(); ++k) {
+    const auto reg = static_cast<std::uint32_t>(at.reads[k]);
+    const bool unknown = reg < n;
+    const auto input = static_cast<std::uint32_t>(reg - n);
+    EXPECT_EQ(m({Memory::anchor, static_cast<std::uint32_t>(k)}, 0),
+              unknown ? m({Memory::unknowns, reg}, 0) : c.inputs[input]);
+  }
+}
+
+// Every class of two or three unknowns of the shipped mechanisms: a step, and then a new anchor in every lane.
 TEST(GroupStep, HasTheSameBitsForEveryExecutorAndNumberOfLanes) {
   test::Draw draw(2);
   int classes = 0, solved = 0;
@@ -166,19 +213,32 @@ TEST(GroupStep, HasTheSameBitsForEveryExecutorAndNumberOfLanes) {
       ++classes;
       const Setting at(structure, c, draw);
       const GroupProgram step = group_step(of, at.equations, at.reads);
+      const auto anchors = test::executors_of(anchor_program(of, at.equations, at.reads));
       std::vector<std::vector<std::uint64_t>> expected;
+      std::size_t number = 0;
       for (const test::NamedExecutor& e : test::executors_of(step.program)) {
         SCOPED_TRACE(e.name);
+        const Executor& of_anchors = *anchors[number++].executor;
         for (std::size_t first = 0; first < kCases; first += idx(e.lanes)) {
           test::StepMemory m = at.memory(first, e.lanes, step.work);
           e.executor->run(m.at);
           for (std::size_t l = 0; l < idx(e.lanes); ++l) {
+            const bool is_solved = m(slot_of(GroupFigure::failed), l) == 0;
+            if (expected.size() > first + l) continue;
+            solved += is_solved ? 1 : 0;
+            if (is_solved && first + l == 0) expect_solved(m, at);
+          }
+          const bool is_solved = m(slot_of(GroupFigure::failed), 0) == 0;
+          for (std::size_t l = 0; l < idx(e.lanes); ++l) {
+            m(slot_of(GroupFigure::needs_anchor), l) = 1;
+            m(slot_of(GroupFigure::ball_used), l) = 0.5;
+          }
+          of_anchors.run(m.at);
+          for (std::size_t l = 0; l < idx(e.lanes); ++l) {
             const auto left = bits_of(m, at, l);
             if (expected.size() == first + l) {
               expected.push_back(left);
-              const bool is_solved = m(slot_of(GroupFigure::failed), l) == 0;
-              solved += is_solved ? 1 : 0;
-              if (is_solved && first + l == 0) expect_solved(m, at);
+              if (is_solved && first + l == 0) expect_anchor(m, at);
             }
             ASSERT_EQ(left, expected[first + l]) << "case " << first + l;
           }
