@@ -261,6 +261,9 @@ class Simulator {
   // may allocate memory, because solvers that did extra work are described in words; a control loop uses the status
   // that step() returns. step() keeps the latest 500 to 1,000 events (Report::dropped_events).
   [[nodiscard]] const Report& report() const;
+  // How steps use machine code (PrepareOptions::machine_code), for example "AVX-512, one call for all" or "AVX2, 5 of 6
+  // groups"; empty: they do not.
+  [[nodiscard]] std::string machine_code() const;
   // The plan and structure in use; another choice among redundant equations replaces them.
   [[nodiscard]] const Prepared& prepared() const;
 

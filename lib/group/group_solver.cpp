@@ -33,7 +33,9 @@ GroupSolver::GroupSolver(const System& system, const Structure& structure, std::
 
 void GroupSolver::use(StepCode& code) {
   if (!small_step_) return;
-  if (auto coded = make_coded_step(work_, guard_.blocks(), code)) small_step_ = std::move(coded);
+  auto coded = make_coded_step(work_, guard_.blocks(), code);
+  is_coded_ = coded != nullptr;
+  if (coded) small_step_ = std::move(coded);
 }
 
 void GroupSolver::size(Pack& pack) const {

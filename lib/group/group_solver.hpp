@@ -29,6 +29,7 @@ class GroupSolver {
               std::span<const Backend> table);
   // Takes small steps by machine code, if there is some for them, with the same bits.
   void use(StepCode& code);
+  [[nodiscard]] bool is_coded() const { return is_coded_; }
 
   [[nodiscard]] int lanes() const { return work_.lanes; }
   [[nodiscard]] const GroupClass& group_class() const { return work_.group_class; }
@@ -107,9 +108,10 @@ class GroupSolver {
   ErrorProbe probe_;
   std::unique_ptr<SmallStep> small_step_;  // null if the class or the strategy allows none
   std::array<LaneArray, 3> kept_;          // [d]: derivatives of the unknowns, n x W
-  std::vector<std::uint8_t> is_kept_;      // W: lanes whose results are kept_
-  LaneArray predicted_;                    // unknowns before the step, n x W
-  LaneArray omega_;                        // W
+  bool is_coded_ = false;
+  std::vector<std::uint8_t> is_kept_;  // W: lanes whose results are kept_
+  LaneArray predicted_;                // unknowns before the step, n x W
+  LaneArray omega_;                    // W
 };
 
 }  // namespace assur

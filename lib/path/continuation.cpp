@@ -94,6 +94,18 @@ void Continuation::use(StepCode& code) {
   for (const auto& solver : layout_.solvers) solver->use(code);
 }
 
+std::string Continuation::machine_code() const {
+  if (prepared_.code == nullptr) return "";
+  const std::string vectors = prepared_.code->vectors();
+  if (whole_) return vectors + ", one call for all";
+  std::size_t coded = together_ ? together_->coded_groups() : 0;
+  for (const Pack& pack : packs_) {
+    if (!together_ && layout_.solvers[idx(pack.group_class)]->is_coded()) coded += pack.groups.size();
+  }
+  if (coded == 0) return "";
+  return vectors + ", " + std::to_string(coded) + " of " + std::to_string(structure_.groups.size()) + " groups";
+}
+
 void Continuation::start(double time, const std::vector<double>& posture, const Continuation* before) {
   now_ = time;
   selected_at_ = before != nullptr ? time : kNan;

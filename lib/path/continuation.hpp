@@ -156,6 +156,9 @@ class Continuation {
   [[nodiscard]] Inputs& inputs() { return inputs_; }
   [[nodiscard]] const Inputs& inputs() const { return inputs_; }
 
+  // See Simulator::machine_code().
+  [[nodiscard]] std::string machine_code() const;
+
  private:
   static constexpr int kStepHalvings = 20;  // a step is halved down to 2^-20, then its failure is examined
   static constexpr double kSmallestStep = 1.0 / (1 << kStepHalvings);

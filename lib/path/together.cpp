@@ -260,9 +260,16 @@ void Together::use(StepCode& code) {
     for (Share& share : c.shares) {
       if (share.lanes == 0) continue;
       auto coded = make_coded_together_step(outline(c), {c.places, static_cast<int>(share.lanes)}, code);
+      c.is_coded = coded != nullptr;
       if (coded) share.step = std::move(coded);
     }
   }
+}
+
+std::size_t Together::coded_groups() const {
+  std::size_t groups = 0;
+  for (const Class& c : classes_) groups += c.is_coded ? c.groups.size() : 0;
+  return groups;
 }
 
 void Together::make_rows() {

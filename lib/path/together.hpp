@@ -32,6 +32,7 @@ class Together {
 
   // Takes the passes by machine code, if there is some for them, with the same bits.
   void use(StepCode& code);
+  [[nodiscard]] std::size_t coded_groups() const;
 
   // Makes an attempt inside the branch, like Levels::solve(). False: something is unusual; the state then holds the
   // prediction again, and the packs of the layout are unchanged.
@@ -86,6 +87,7 @@ class Together {
     std::size_t places;                       // with idle ones
     std::size_t unknowns, loads, first_gain;  // where those of the class begin
     Slopes slopes;
+    bool is_coded = false;
     std::vector<Gain> gains;
     LaneArray coefficients, lipschitz, pivots, anchor, anchor_rates, anchor_time, omega, balls_used, work, figures,
         of_slopes;

@@ -272,7 +272,7 @@ Status Tile::solve_all(std::span<const double> times, Attempt::Branch branch, St
   return inside ? follow_angles(times[0] - now_[0]) : Status{};
 }
 
-// Like Continuation::bent().
+// A lane fails whose drivers turn, or may bend between its postures, by more than a step may.
 Status Tile::check_bows(std::span<const double> times) {
   const std::size_t laws = drive_[0]->laws();
   const double h = std::abs(times[0] - now_[0]);

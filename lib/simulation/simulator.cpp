@@ -253,6 +253,7 @@ const Report& Simulator::report() const {
   impl_->report_events();
   return impl_->report;
 }
+std::string Simulator::machine_code() const { return impl_->motion.machine_code(); }
 const Prepared& Simulator::prepared() const { return impl_->prepared; }
 
 }  // namespace assur

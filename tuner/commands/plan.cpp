@@ -3,6 +3,7 @@
 
 #include "assur/machine.hpp"
 #include "assur/saved_plan.hpp"
+#include "assur/simulator.hpp"
 #include "commands/commands.hpp"
 #include "commands/plan_report.hpp"
 #include "output/replace_file.hpp"
@@ -16,6 +17,14 @@ void save(const std::string& file, const Prepared& prepared) {
   save_plan(text, prepared);
   out.stream() << text.str();
   out.put();
+}
+
+std::string machine_code_of(const Prepared& prepared) {
+  try {
+    return Simulator(prepared).machine_code();
+  } catch (const Error&) {  // of the start, which a run will tell
+    return "";
+  }
 }
 
 }  // namespace
@@ -40,7 +49,8 @@ int plan(const Common& common, const PlanOptions& options) {
                               .budget = budget,
                               .model = *known.model,
                               .messages = known.messages,
-                              .candidates = {}};
+                              .candidates = {},
+                              .machine_code = machine_code_of(prepared)};
   for (const Plan::Choice& choice : prepared.plan.choices) {
     std::vector<Candidate>& of_class = summary.candidates.emplace_back(
         candidates(choice.shape, {.model = known.model, .budget = budget, .without = options.without}));

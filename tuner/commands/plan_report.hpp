@@ -18,6 +18,7 @@ struct PlanSummary {
   const PerformanceModel& model;
   const std::vector<std::string>& messages;        // of the databases
   std::vector<std::vector<Candidate>> candidates;  // for each class
+  std::string machine_code;                        // Simulator::machine_code()
 };
 
 [[nodiscard]] Json to_json(const PlanSummary& summary);
