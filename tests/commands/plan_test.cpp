@@ -38,6 +38,18 @@ TEST(Plan, UsesOnlyTheNamedDatabase) {
   }
 }
 
+TEST(Plan, SaysHowStepsUseMachineCode) {
+  const bool has_code = !Simulator(prepare(sample("four_bar"))).machine_code().empty();  // on this processor
+  const std::string small = run_command({"plan", "four_bar", "--json"}).json()["machine_code"];
+  EXPECT_EQ(small.find("one call for all") != small.npos, has_code) << small;
+  const std::string long_chain = run_command({"plan", "four_bar:300", "--json"}).json()["machine_code"];
+  EXPECT_EQ(long_chain.find("300 of 300 groups") != long_chain.npos, has_code) << long_chain;
+  const std::string large = run_command({"plan", "bennett", "--json"}).json()["machine_code"];
+  EXPECT_EQ(large, "") << large;
+  const std::string text = run_command({"plan", "bennett"}).out;
+  EXPECT_NE(text.find("\n  machine code    none\n"), text.npos) << text;
+}
+
 // Without samples, times follow from operation counts and are the same on all machines.
 TEST(Plan, ShowsThePartsOfAStep) {
   const nlohmann::json all = run_command({"plan", "stewart", "--json", "--threads", "1"}).json();
