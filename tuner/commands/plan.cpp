@@ -1,4 +1,5 @@
 #include <iostream>
+#include <optional>
 #include <sstream>
 
 #include "assur/machine.hpp"
@@ -19,11 +20,14 @@ void save(const std::string& file, const Prepared& prepared) {
   out.put();
 }
 
-std::string machine_code_of(const Prepared& prepared) {
+// Only a simulator knows. It needs more memory than the plan of a large mechanism.
+std::optional<std::string> machine_code_of(const Prepared& prepared, Mode mode) {
+  constexpr std::size_t kMostGroups = 10'000;
+  if (mode == Mode::throughput || prepared.structure->groups.size() > kMostGroups) return std::nullopt;
   try {
     return Simulator(prepared).machine_code();
   } catch (const Error&) {  // of the start, which a run will tell
-    return "";
+    return std::nullopt;
   }
 }
 
@@ -50,7 +54,7 @@ int plan(const Common& common, const PlanOptions& options) {
                               .model = *known.model,
                               .messages = known.messages,
                               .candidates = {},
-                              .machine_code = machine_code_of(prepared)};
+                              .machine_code = machine_code_of(prepared, options.mode)};
   for (const Plan::Choice& choice : prepared.plan.choices) {
     std::vector<Candidate>& of_class = summary.candidates.emplace_back(
         candidates(choice.shape, {.model = known.model, .budget = budget, .without = options.without}));

@@ -150,7 +150,7 @@ Json to_json(const PlanSummary& s) {
           {"expected_storing_seconds", beside.storing},
           {"outputs", beside.outputs},
           {"reason", plan.reason},
-          {"machine_code", s.machine_code},
+          {"machine_code", s.machine_code ? Json(*s.machine_code) : Json(nullptr)},
           {"samples", s.model.samples()},
           {"source", s.model.source()},
           {"messages", s.messages},
@@ -170,7 +170,7 @@ void print(Page& page, const PlanSummary& s) {
   page.fact("formulation", name(plan.run.formulation));
   page.fact("threads", threads_text(plan, *s.prepared.structure) + "; " + plan.reason);
   if (s.mode == Mode::throughput) page.fact("chunks", grouped(plan.run.chunks) + " of the time grid");
-  if (s.mode == Mode::latency) page.fact("machine code", s.machine_code.empty() ? "none" : s.machine_code);
+  if (s.machine_code) page.fact("machine code", s.machine_code->empty() ? "none" : *s.machine_code);
   print_expected(page, s);
   page.gap();
   if (plan.choices.empty()) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,7 +19,7 @@ struct PlanSummary {
   const PerformanceModel& model;
   const std::vector<std::string>& messages;        // of the databases
   std::vector<std::vector<Candidate>> candidates;  // for each class
-  std::string machine_code;                        // Simulator::machine_code()
+  std::optional<std::string> machine_code;         // Simulator::machine_code(); none: not asked
 };
 
 [[nodiscard]] Json to_json(const PlanSummary& summary);
