@@ -1,5 +1,5 @@
 // Products and sums that are rounded once on every processor, so that all of them give the same bits. Without such an
-// instruction, each takes the time of many. Included once for each target, inside its HWY_NAMESPACE (see Highway,
+// instruction, each takes the time of forty. Included once for each target, inside its HWY_NAMESPACE (see Highway,
 // "foreach_target.h").
 #if defined(ASSUR_FUSED_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef ASSUR_FUSED_INL
@@ -10,8 +10,9 @@
 
 #include <hwy/highway.h>
 
-#include <cmath>
 #include <cstddef>
+
+#include "fused.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace assur::HWY_NAMESPACE {
@@ -29,7 +30,7 @@ HWY_INLINE V fused([[maybe_unused]] D d, V a, V b, V c) {
   hn::Store(a, d, x);
   hn::Store(b, d, y);
   hn::Store(c, d, z);
-  for (std::size_t i = 0; i < hn::MaxLanes(D()); ++i) z[i] = std::fma(x[i], y[i], z[i]);
+  for (std::size_t i = 0; i < hn::MaxLanes(D()); ++i) z[i] = fused_number(x[i], y[i], z[i]);
   return hn::Load(d, z);
 #endif
 }

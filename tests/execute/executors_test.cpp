@@ -1,5 +1,6 @@
 #include "execute/executors.hpp"
 #include "execute/step_code.hpp"
+#include "fused.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,6 +8,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <random>
 #include <vector>
 
 #include "numbers.hpp"
@@ -232,6 +234,24 @@ TEST(Executors, FindNumbersByTheirReach) {
       e.executor->run(memory);
       EXPECT_EQ(taken, expected);
     }
+  }
+}
+
+// What processors without fused products do: close to cancellation, where bits of the product decide, and everywhere.
+TEST(Fused, IsRoundedOnce) {
+  std::mt19937_64 random(5);
+  const auto bits = [](double x) { return std::isnan(x) ? ~std::uint64_t{0} : std::bit_cast<std::uint64_t>(x); };
+  const auto number = [&](int kind) {
+    if (kind == 0) return std::bit_cast<double>(random());
+    const double digits = static_cast<double>(static_cast<std::int64_t>(random())) * 0x1p-63;
+    return std::ldexp(digits, static_cast<int>(random() % 200) - 100);
+  };
+  for (int k = 0; k < 2'000'000; ++k) {
+    const double a = k % 13 == 0 ? 0 : number(k % 2), b = number(k % 3);
+    double c = number(k % 5);
+    if (k % 7 == 0) c = -a * b;
+    if (k % 11 == 0) c = -a * b * (1 + std::ldexp(1.0, -static_cast<int>(random() % 60)));
+    ASSERT_EQ(bits(fused_number(a, b, c)), bits(std::fma(a, b, c))) << a << " " << b << " " << c;
   }
 }
 
