@@ -13,6 +13,9 @@ namespace {
 
 constexpr std::size_t up(std::size_t count, std::size_t to) { return (count + to - 1) / to; }
 
+// Some classes have no inputs, slopes or loads.
+double* at(LaneArray& numbers, std::size_t index) { return numbers.empty() ? nullptr : numbers.data() + index; }
+
 }  // namespace
 
 Together::Together(const Prepared& prepared, Layout& layout, Team* team)
@@ -199,7 +202,7 @@ void Together::fill(Class& c, Share& share) {
   find_sources(c, share);
   share.step = make_together_step(outline(c), {c.places, static_cast<int>(share.lanes)});
   const auto put = [&](std::size_t memory, LaneArray& numbers, std::size_t begin = 0) {
-    share.memory[memory] = numbers.data() + begin + share.first;
+    share.memory[memory] = at(numbers, begin + share.first);
   };
   const auto of = [](Memory m) { return static_cast<std::size_t>(m); };
   put(of(Memory::coefficients), c.coefficients);
@@ -397,7 +400,7 @@ bool Together::converge(double* const (&state)[3], const Attempt& attempt, int& 
   set(GroupSetting::time, attempt.time);
   pass([&](Class& c, Share& share) { read(c, share, state); },
        [&](Class& c, Share& share) {
-         kernels_.gather(share.sources, unknowns_[0].data(), c.places, c.inputs[0].data() + share.first);
+         kernels_.gather(share.sources, unknowns_[0].data(), c.places, at(c.inputs[0], share.first));
          share.step->run(TogetherPass::begin, share.memory);
        });
   while (largest(GroupFigure::failed) <= 0) {
@@ -414,10 +417,10 @@ bool Together::converge(double* const (&state)[3], const Attempt& attempt, int& 
         },
         [&](Class& c, Share& share) {
           if (corrections == 1) {
-            kernels_.gather(share.sources, change_.data(), c.places, c.sources.data() + share.first);
+            kernels_.gather(share.sources, change_.data(), c.places, at(c.sources, share.first));
             share.step->run(TogetherPass::approach, share.memory);
           }
-          kernels_.gather(share.sources, unknowns_[0].data(), c.places, c.inputs[0].data() + share.first);
+          kernels_.gather(share.sources, unknowns_[0].data(), c.places, at(c.inputs[0], share.first));
           share.step->run(TogetherPass::linearise, share.memory);
         });
   }
@@ -429,7 +432,7 @@ void Together::derive() {
     pass(
         [&](Class& c, Share& share) {
           if (c.derivatives < 1) return;
-          share.memory[static_cast<std::size_t>(Memory::input_rates)] = c.known_rates.data() + share.first;
+          share.memory[static_cast<std::size_t>(Memory::input_rates)] = at(c.known_rates, share.first);
           share.step->run(TogetherPass::rates, share.memory);
         },
         [&](Class& c, Share& share) {
@@ -442,8 +445,8 @@ void Together::derive() {
         },
         [&](Class& c, Share& share) {
           if (c.derivatives < 1) return;
-          kernels_.gather(share.sources, unknowns_[1].data(), c.places, c.inputs[1].data() + share.first);
-          share.memory[static_cast<std::size_t>(Memory::input_rates)] = c.inputs[1].data() + share.first;
+          kernels_.gather(share.sources, unknowns_[1].data(), c.places, at(c.inputs[1], share.first));
+          share.memory[static_cast<std::size_t>(Memory::input_rates)] = at(c.inputs[1], share.first);
           share.step->run(TogetherPass::accelerations, share.memory);
         });
   }
@@ -485,12 +488,12 @@ void Together::couple(const Class& c, const Share& share, const LaneArray& chang
 }
 
 // The changes of a share with all loads.
-void Together::complete(const Class& c, const Share& share, LaneArray& to) const {
-  const std::size_t at = c.unknowns + share.first;
+void Together::complete(const Class& c, const Share& share, LaneArray& to) {
+  const std::size_t first = c.unknowns + share.first;
   const double* columns[kMostCoupledRows];
-  for (std::size_t k = 0; k < kMostCoupledRows; ++k) columns[k] = columns_[k].data() + at;
-  kernels_.complete(own_.data() + at, columns, loads_.data() + c.loads + share.first, idx(c.solver->program().n),
-                    idx(c.slopes.rows()), c.places, share.lanes, to.data() + at);
+  for (std::size_t k = 0; k < kMostCoupledRows; ++k) columns[k] = columns_[k].data() + first;
+  kernels_.complete(own_.data() + first, columns, at(loads_, c.loads + share.first), idx(c.solver->program().n),
+                    idx(c.slopes.rows()), c.places, share.lanes, to.data() + first);
 }
 
 // The recurrence through the levels.

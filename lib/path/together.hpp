@@ -120,7 +120,7 @@ class Together {
   void pass(const Works&... works);
   void read(Class& c, const Share& share, double* const (&state)[3]);
   void couple(const Class& c, const Share& share, const LaneArray& changes, bool with_gains);
-  void complete(const Class& c, const Share& share, LaneArray& to) const;
+  void complete(const Class& c, const Share& share, LaneArray& to);
   void complete_loads();
   [[nodiscard]] double largest(GroupFigure f) const;
   [[nodiscard]] bool converge(double* const (&state)[3], const Attempt& attempt, int& corrections);
