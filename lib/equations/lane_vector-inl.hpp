@@ -142,6 +142,7 @@ struct Lanes {
     for (int i = 0; i < kVectors; ++i) out.m[i] = hn::Le(a.v[i], b.v[i]);
     return out;
   }
+  friend HWY_INLINE HWY_ATTR bool all_at_most(const Lanes& a, const Lanes& b) { return less_equal(a, b).all(); }
   friend HWY_INLINE HWY_ATTR Mask positive(const Lanes& test) { return less(set(0), test); }
   friend HWY_INLINE HWY_ATTR void swap_if(const Mask& mask, Lanes& a, Lanes& b) {
     for (int i = 0; i < kVectors; ++i) {

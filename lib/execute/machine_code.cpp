@@ -56,13 +56,18 @@ constexpr Point kNever = UINT32_MAX;
 // The points where the values of a phase are used, and where its stores are written.
 class Uses {
  public:
-  explicit Uses(const Phase& phase) : of_(phase.code.size()), next_(phase.code.size()), stores_(phase.code.size()) {
+  explicit Uses(const Phase& phase)
+      : of_(phase.code.size()),
+        next_(phase.code.size()),
+        stores_(phase.code.size()),
+        is_replaced_(phase.stores.size(), false) {
     for (std::uint32_t i = 0; i < phase.code.size(); ++i) {
       const Instruction& n = phase.code[i];
       for (int k = 0; k < operands_of(n.op); ++k) of_[n.operand[static_cast<std::size_t>(k)]].push_back(2 * i);
     }
     // A store is written as early as possible, but behind the loads of its slot with their uses, and in order.
     std::map<Slot, std::uint32_t> read, written;
+    std::map<Slot, std::size_t> last;
     for (std::uint32_t i = 0; i < phase.code.size(); ++i) {
       if (phase.code[i].op == Op::load) read[phase.code[i].slot] = of_[i].empty() ? i : std::max(i, of_[i].back() / 2);
     }
@@ -73,6 +78,10 @@ class Uses {
         if (const auto found = others->find(s.to); found != others->end()) at = std::max(at, found->second);
       }
       behind.push_back(written[s.to] = at);
+      const std::size_t number = behind.size() - 1;
+      if (const auto [before, is_first] = last.emplace(s.to, number); !is_first) {
+        is_replaced_[std::exchange(before->second, number)] = true;
+      }
     }
     for (std::size_t s = 0; s < behind.size(); ++s) {
       stores_[behind[s]].push_back(s);
@@ -90,6 +99,8 @@ class Uses {
     while (k < points.size() && points[k] < from) ++k;
     return k < points.size() ? points[k] : kNever;
   }
+  // True if another store follows to the same slot.
+  [[nodiscard]] bool is_replaced(std::size_t store) const { return is_replaced_[store]; }
   // Indices of the stores behind instruction i.
   [[nodiscard]] const std::vector<std::size_t>& stores_behind(std::uint32_t i) const { return stores_[i]; }
 
@@ -97,6 +108,7 @@ class Uses {
   std::vector<std::vector<Point>> of_;  // ascending
   std::vector<std::size_t> next_;
   std::vector<std::vector<std::size_t>> stores_;
+  std::vector<bool> is_replaced_;
 };
 
 // Writes one function for all phases, each for one vector of its lanes after the other, or in a loop. A value that is
@@ -242,6 +254,7 @@ class Writer {
   // Where a value without register is.
   x86::Mem place_of(std::uint32_t value) {
     const Instruction& n = phase_->code[value];
+    if (stored_at_[value] != nullptr) return slot(*stored_at_[value]);
     if (is_simple_load(n) && slot_of_[value] == kFree) return slot(n.slot);
     if (n.op == Op::constant) return constant(std::bit_cast<std::uint64_t>(phase_->constants[n.operand[0]]));
     return x86::ptr(x86::rsp, static_cast<std::int32_t>(slot_of_[value]) * kVector, bytes());
@@ -296,7 +309,7 @@ class Writer {
   void evict(std::uint32_t r) {
     const std::uint32_t value = value_in_[r];
     leave(r);
-    if (can_read_again(value) || slot_of_[value] != kFree) return;
+    if (can_read_again(value) || stored_at_[value] != nullptr || slot_of_[value] != kFree) return;
     if (free_slots_.empty()) free_slots_.push_back(slots_++);
     slot_of_[value] = free_slots_.back();
     free_slots_.pop_back();
@@ -400,6 +413,8 @@ class Writer {
     register_of_.assign(phase.code.size(), kFree);
     slot_of_.assign(phase.code.size(), kFree);
     std::fill(value_in_.begin(), value_in_.end(), kFree);
+    stored_at_.assign(phase.code.size(), nullptr);
+    compared_.fill({kFree, kFree});
     is_moved_.assign(phase.code.size(), false);
     for (const Phase::Store& s : phase.stores) is_moved_[s.value] = true;
     for (std::uint32_t i = 0; i < phase.code.size(); ++i) {
@@ -415,7 +430,9 @@ class Writer {
       at_ = 2 * i + 1;
       for (const std::size_t s : uses.stores_behind(i)) {
         held_ = {};
-        store(phase.stores[s].to, in_register(phase.stores[s].value));
+        const Phase::Store& stored = phase.stores[s];
+        store(stored.to, in_register(stored.value));
+        if (are_neighbours(stored.to) && !uses.is_replaced(s)) stored_at_[stored.value] = &stored.to;
       }
       for (const std::size_t s : uses.stores_behind(i)) release(phase.stores[s].value);
     }
@@ -593,18 +610,31 @@ class Writer {
   void choose(const Instruction& n) {
     const asmjit::Imm less_or_equal(0x12);  // false for NaN, quiet
     const Inst::Id compare = width_ == 1 ? Inst::kIdVcmpsd : Inst::kIdVcmppd;
-    const x86::Vec a = in_register(n.operand[0]);
     if (avx512_) {
-      with_second(n.operand[1], [&](const auto& b) { a_.emit(compare, x86::k1, a, b, less_or_equal); });
+      const std::pair compared(n.operand[0], n.operand[1]);
+      auto mask = std::find(compared_.begin(), compared_.end(), compared);
+      if (mask == compared_.end()) {
+        mask = compared_.begin() + static_cast<std::ptrdiff_t>(next_mask_);
+        next_mask_ = (next_mask_ + 1) % compared_.size();
+        *mask = compared;
+        const x86::Vec a = in_register(n.operand[0]);
+        with_second(n.operand[1], [&](const auto& b) { a_.emit(compare, mask_in(mask), a, b, less_or_equal); });
+      }
       const x86::Vec no = in_register(n.operand[3]), yes = in_register(n.operand[2]);
       const x86::Vec to = result(n);
-      a_.k(x86::k1).vblendmpd(to, no, yes);
+      a_.k(mask_in(mask)).vblendmpd(to, no, yes);
     } else {
+      const x86::Vec a = in_register(n.operand[0]);
       const x86::Vec mask = vector(take());
       with_second(n.operand[1], [&](const auto& b) { a_.emit(compare, mask, a, b, less_or_equal); });
       const x86::Vec no = in_register(n.operand[3]), yes = in_register(n.operand[2]);
       a_.vblendvpd(result(n), no, yes, mask);
     }
+  }
+
+  using Masks = std::array<std::pair<std::uint32_t, std::uint32_t>, 7>;
+  [[nodiscard]] x86::KReg mask_in(Masks::const_iterator at) const {
+    return x86::k(static_cast<std::uint32_t>(at - compared_.begin()) + 1);
   }
 
   static constexpr std::uint64_t kAllButSign = ~std::uint64_t{0} >> 1;
@@ -631,7 +661,10 @@ class Writer {
   std::array<bool, 32> held_{};                       // registers: needed by the instruction at hand
   std::vector<std::uint32_t> register_of_, slot_of_;  // values; kFree: none
   std::vector<bool> is_moved_;                        // values that stores take
+  std::vector<const Slot*> stored_at_;                // values: where a store has left them; null: nowhere
   std::vector<std::uint32_t> free_slots_;             // of the stack
+  Masks compared_{};                                  // what each mask compares, values; k1, k2, ...
+  std::size_t next_mask_ = 0;                         // the one to replace
   std::uint32_t slots_ = 0;
 };
 

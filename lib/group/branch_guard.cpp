@@ -15,7 +15,7 @@ BranchGuard::BranchGuard(Workspace& work, JacobianSolver& solver)
   there_jacobian_.resize(work_.jacobian.size());
   there_inputs_.resize(work_.inputs.size());
   for (LaneArray* v : {&omega_, &used_}) v->resize(idx(work_.lanes));
-  for (auto* v : {&changes_, &renewed_}) v->resize(idx(work_.lanes));
+  changes_.resize(idx(work_.lanes));
   posture_errors_.resize(idx(work_.lanes));
 }
 
@@ -104,7 +104,6 @@ Status BranchGuard::set_anchor(Pack& pack, double* const (&state)[3], std::int32
 void BranchGuard::move_anchor(Pack& pack, const double* const (&state)[3], std::int32_t b, std::size_t lane,
                               double time) {
   const std::size_t w = idx(work_.lanes), at_block = idx(b) * w + lane;
-  renewed_[lane] = 1;
   pack.omega[at_block] = omega_[lane];
   pack.anchor_time[at_block] = time;
   pack.ball_used[at_block] = 0;
@@ -145,7 +144,6 @@ bool BranchGuard::stays_inside(double used, double& before) {
 }
 
 Status BranchGuard::check(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters) {
-  std::fill(renewed_.begin(), renewed_.end(), std::uint8_t{0});
   if (!work_.group_class.quadratic) return {};
   const double* x = state[0] + pack.unknowns;
   pack.keep_use(attempt.number);

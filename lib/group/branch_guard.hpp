@@ -28,8 +28,6 @@ class BranchGuard {
   // Tests the solved posture in the workspace, with its rates: ok if it is inside the ball, or if a tube leads to it.
   // Each lane decides for itself: if its ball is used up or was not measured yet, its posture becomes the anchor.
   [[nodiscard]] Status check(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters);
-  // After check(): W, 1 for the lanes with a new anchor in any block.
-  [[nodiscard]] std::span<const std::uint8_t> renewed() const { return renewed_; }
 
   // True if the next step of this length stays inside the ball, too; `before`, the used part of the ball, then becomes
   // `used`.
@@ -51,7 +49,7 @@ class BranchGuard {
   LaneArray there_, there_inputs_, there_phi_, there_jacobian_;  // of a posture of a tube
   LaneArray omega_, posture_errors_;                             // W: of one block
   LaneArray used_;                                               // W: part of the ball, of one block
-  std::vector<std::uint8_t> changes_, renewed_;                  // W: the anchor of this block, of any block
+  std::vector<std::uint8_t> changes_;                            // W: the anchor of this block
 };
 
 }  // namespace assur

@@ -63,7 +63,8 @@ bool CodedStep::run(const Pack& pack, double* const (&state)[3], int most_iterat
   }
   settings_[slot_of(GroupSetting::converged_at).index] = converged;
   settings_[slot_of(GroupSetting::most_iterations).index] = most_iterations;
-  point_to(pack, state, memory_.data());
+  point_to(pack, memory_.data());
+  point_to_unknowns(pack, state, memory_.data());
   code_->run(memory_);
   double of_all[kGroupFigures];
   const double* largest = figures_.data();
@@ -84,9 +85,8 @@ bool CodedStep::run(const Pack& pack, double* const (&state)[3], int most_iterat
   return true;
 }
 
-const double* CodedStep::renew_anchors(Pack& pack, double* const (&)[3], double time) {
+const double* CodedStep::renew_anchors(Pack&, double* const (&)[3], double time) {
   settings_[slot_of(GroupSetting::time).index] = time;
-  point_to_anchor(pack, memory_.data());
   anchors_->run(memory_);
   return row(GroupFigure::failed);
 }

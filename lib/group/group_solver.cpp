@@ -49,7 +49,7 @@ void GroupSolver::size(Pack& pack) const {
   pack.ball_used = pack.own_use;
   pack.anchor_rates.resize(pack.anchor.size());
   pack.anchor_time.assign(idx(work_.program.blocks) * w, kNan);
-  pack.kept = {0, 0, 0, pack.own_use, pack.anchor, pack.anchor_rates, pack.anchor_time, pack.omega, {}};
+  pack.kept = {0, 0, 0, pack.own_use, pack.anchor, pack.anchor_rates, pack.anchor_time, pack.omega};
 }
 
 void GroupSolver::bind_lane(const System& system, const Group& group, Pack& pack, int lane) const {
@@ -85,10 +85,7 @@ Status GroupSolver::solve(Pack& pack, double* const (&state)[3], const Attempt& 
 // neither on neighbours in the pack nor on W. Lanes that do not succeed, or that find another solution, keep the
 // results of the general path.
 void GroupSolver::solve_in_lanes(Pack& pack, double* const (&state)[3], const Attempt& attempt, StepErrors& errors) {
-  pack.keep_anchor(attempt.number);
   take_kept(pack, state);
-  for (std::uint8_t& lane : is_kept_) lane ^= 1;  // now those that the general path has solved
-  choose_pivots(work_, pack, is_kept_);
   if (attempt.branch == Attempt::Branch::pass || !serves(attempt)) return;
   keep(pack, state);
   std::copy(predicted_.begin(), predicted_.end(), state[0] + pack.unknowns);
@@ -194,9 +191,7 @@ Status GroupSolver::renew_anchor(Pack& pack, double* const (&state)[3], const At
   pack.keep_anchor(attempt.number);
   work_.set_inputs(pack, state[0]);
   work_.evaluate(state[0] + pack.unknowns);
-  const Status s = guard_.check(pack, state, attempt, counters);
-  if (s.ok()) choose_pivots(work_, pack, guard_.renewed());
-  return s;
+  return guard_.check(pack, state, attempt, counters);
 }
 
 }  // namespace assur

@@ -19,7 +19,7 @@ namespace assur {
 struct Kept {
   std::int64_t use_of = 0, anchor_of = 0, factors_of = 0;  // the attempt that overwrote them; 0: none
   LaneArray ball_used;
-  LaneArray anchor, anchor_rates, anchor_time, omega, swaps;
+  LaneArray anchor, anchor_rates, anchor_time, omega;
 };
 
 // W instances of a class. All arrays are owned by the simulator; lanes beyond `used` repeat lane 0.
@@ -39,7 +39,6 @@ struct Pack {
   LaneArray omega;                   // blocks x W
   std::span<double> ball_used;       // blocks x W: part of the ball used at the last posture inside it
   LaneArray own_use;                 // storage of ball_used, unless packs share an array (see Together)
-  LaneArray swaps;                   // row order of a small step, see SmallLu
   Kept kept;
   std::unique_ptr<LinearSolver> solver;  // own solver; null: the packs of the class share one
   std::unique_ptr<LinearSolver> pivots;  // own solvers are clones of it; null: of that of the first pack of the class
@@ -67,11 +66,7 @@ struct Pack {
   void undo(std::int64_t attempt) {
     if (kept.use_of == attempt) std::copy(kept.ball_used.begin(), kept.ball_used.end(), ball_used.begin());
     if (kept.anchor_of == attempt) {
-      anchor.swap(kept.anchor);
-      anchor_rates.swap(kept.anchor_rates);
-      anchor_time.swap(kept.anchor_time);
-      omega.swap(kept.omega);
-      swaps.swap(kept.swaps);
+      restore_anchor(kept);
     }
     if (kept.factors_of == attempt) factored = false;
     kept.use_of = kept.anchor_of = kept.factors_of = 0;
@@ -84,21 +79,23 @@ struct Pack {
   }
   void restore(const Kept& from) {
     std::copy(from.ball_used.begin(), from.ball_used.end(), ball_used.begin());
-    anchor = from.anchor;
-    anchor_rates = from.anchor_rates;
-    anchor_time = from.anchor_time;
-    omega = from.omega;
-    swaps = from.swaps;
+    restore_anchor(from);
     factored = false;
   }
 
  private:
+  // The arrays stay where they are: steps keep pointers to them.
+  void restore_anchor(const Kept& from) {
+    anchor = from.anchor;
+    anchor_rates = from.anchor_rates;
+    anchor_time = from.anchor_time;
+    omega = from.omega;
+  }
   void copy_anchor(Kept& into) const {
     into.anchor = anchor;
     into.anchor_rates = anchor_rates;
     into.anchor_time = anchor_time;
     into.omega = omega;
-    into.swaps = swaps;
   }
 };
 

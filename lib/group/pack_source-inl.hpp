@@ -33,7 +33,6 @@ class PackSource {
     return gather_input<W>(rows_[i], addresses_ + i * W, state_[derivative]);
   }
   HWY_INLINE L unknown(int j) const { return L::load(state_[0] + pack_.unknowns + j * W); }
-  HWY_INLINE L pivot(std::size_t k) const { return L::load(pack_.swaps.data() + k * W); }
   HWY_INLINE L anchor(std::size_t k) const { return L::load(pack_.anchor.data() + k * W); }
   HWY_INLINE L omega() const { return L::load(pack_.omega.data()); }
 

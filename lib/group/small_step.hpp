@@ -51,8 +51,4 @@ class SmallStep : public AnchorStep {
 [[nodiscard]] std::unique_ptr<SmallStep> make_coded_step(const Workspace& work, const BlockConditions& blocks,
                                                          StepCode& code);
 
-// Chooses the order of the rows, which steps need, at the posture that the workspace has evaluated. lanes: 1 for each
-// lane where it is chosen; empty: in all. The first call allocates memory.
-void choose_pivots(const Workspace& work, Pack& pack, std::span<const std::uint8_t> lanes);
-
 }  // namespace assur

@@ -76,7 +76,7 @@ class StepKernel final : public SmallStep {
     while (!less_equal(s.active, L::set(0)).all()) group_.iterate(in, s);
     typename Group::Figures of_step;
     L rate[N], acceleration[N];
-    group_.finish(in, derivatives_, reads_, s, rate, acceleration, of_step);
+    group_.template finish<true>(in, derivatives_, reads_, s, rate, acceleration, of_step);
     if (derivatives_ > 0) store(rate, state[1] + pack.unknowns);
     if (derivatives_ > 1) store(acceleration, state[2] + pack.unknowns);
     store(s.x, state[0] + pack.unknowns);
@@ -94,8 +94,8 @@ class StepKernel final : public SmallStep {
 
   const double* renew_anchors(Pack& pack, double* const (&state)[3], double time) override {
     double* memory[kMemories];
-    point_to(pack, state, memory);
-    point_to_anchor(pack, memory);
+    point_to(pack, memory);
+    point_to_unknowns(pack, state, memory);
     memory[static_cast<std::size_t>(Memory::figures)] = figures_;
     AnchorSource<W> io(pack, state, memory, time);
     group_.renew_anchors(derivatives_, reads_, io);

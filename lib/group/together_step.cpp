@@ -32,7 +32,6 @@ class LaneIo {
   HWY_INLINE L input(int derivative, std::int32_t i) const {
     return load(static_cast<Memory>(static_cast<int>(Memory::inputs) + derivative), idx(i));
   }
-  HWY_INLINE L pivot(std::size_t k) const { return load(Memory::pivots, k); }
   HWY_INLINE L anchor(std::size_t k) const { return load(Memory::anchor, k); }
   HWY_INLINE L omega() const { return load(Memory::omega, 0); }
   HWY_INLINE L ball_used() const { return load(Memory::ball_used, 0); }

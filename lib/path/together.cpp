@@ -100,7 +100,6 @@ void Together::make_classes() {
     for (std::size_t place = 0; place < c.groups.size(); ++place) {
       pack(c, place).ball_used = std::span(c.balls_used).subspan(place, 1);
     }
-    c.pivots.resize(pivots_of_group_step(of) * c.places);
     c.work.resize(work_of_together_step(of) * c.places);
     c.figures.resize(kGroupFigures * c.places);
     c.of_slopes.resize(c.slopes.entries.size() * c.places);
@@ -209,7 +208,6 @@ void Together::fill(Class& c, Share& share) {
   put(of(Memory::inputs), c.inputs[0]);
   put(of(Memory::input_rates), c.inputs[1]);
   put(of(Memory::input_accelerations), c.inputs[2]);
-  put(of(Memory::pivots), c.pivots);
   put(of(Memory::anchor), c.anchor);
   put(of(Memory::omega), c.omega);
   put(of(Memory::lipschitz), c.lipschitz);
@@ -618,7 +616,6 @@ void Together::take(const double* state) {
 // Calls work(array of a group, array of the class) for what new anchors change.
 template <class Work>
 void Together::each_of_guard(Class& c, Pack& of, const Work& work) {
-  work(of.swaps, c.pivots);
   work(of.anchor, c.anchor);
   work(of.anchor_rates, c.anchor_rates);
   work(of.anchor_time, c.anchor_time);

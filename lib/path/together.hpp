@@ -89,8 +89,7 @@ class Together {
     Slopes slopes;
     bool is_coded = false;
     std::vector<Gain> gains;
-    LaneArray coefficients, lipschitz, pivots, anchor, anchor_rates, anchor_time, omega, balls_used, work, figures,
-        of_slopes;
+    LaneArray coefficients, lipschitz, anchor, anchor_rates, anchor_time, omega, balls_used, work, figures, of_slopes;
     std::array<LaneArray, 3> inputs;  // [d]: d-th derivatives
     LaneArray known_rates;            // input rates without those that groups compute
     LaneArray sources;                // changes of inputs

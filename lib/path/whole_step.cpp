@@ -71,6 +71,7 @@ void WholeStep::reserve(std::size_t work) {
     at(Memory::settings, p) = settings_.data();
     at(Memory::work, p) = work_.data();
     at(Memory::figures, p) = figures_[p].of_lanes;
+    point_to(packs[p], &at(Memory{}, p));
   }
 }
 
@@ -96,7 +97,7 @@ bool WholeStep::run(double* const (&state)[3], const State::Prediction& predicti
     to[static_cast<std::size_t>(Memory::past) + k] = const_cast<double*>(prediction.sources[k]);
   }
   for (const Pack& pack : layout_.packs) {
-    point_to(pack, state, to);
+    point_to_unknowns(pack, state, to);
     to += kMemories;
   }
   drivers_.find_sines();
@@ -106,9 +107,7 @@ bool WholeStep::run(double* const (&state)[3], const State::Prediction& predicti
 
 const double* WholeStep::Anchors::renew_anchors(Pack& pack, double* const (&)[3], double time) {
   of->settings_[slot_of(GroupSetting::time).index] = time;
-  double** const memory = &of->at(Memory{}, number);
-  point_to_anchor(pack, memory);
-  code->run({memory, kMemories});
+  code->run({&of->at(Memory{}, number), kMemories});
   return of->figures_[number].of_lanes + static_cast<std::size_t>(GroupFigure::failed) * idx(of->solver(pack).lanes());
 }
 

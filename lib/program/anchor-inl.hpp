@@ -1,4 +1,4 @@
-// New anchors of small groups: what BranchGuard and choose_pivots() do with one group after the other, for the lanes of
+// New anchors of small groups: what BranchGuard does with one group after the other, for the lanes of
 // a step. Each lane for itself, in the text that writes programs as well, see SmallGroup. Included once for each
 // target, inside its HWY_NAMESPACE (see Highway, "foreach_target.h").
 #if defined(ASSUR_ANCHOR_INL) == defined(HWY_TARGET_TOGGLE)
@@ -8,7 +8,7 @@
 #define ASSUR_ANCHOR_INL
 #endif
 
-#include "program/small_lu-inl.hpp"
+#include "program/small_inverse-inl.hpp"
 
 #include <cstddef>
 #include <cstdint>
@@ -22,38 +22,12 @@
 HWY_BEFORE_NAMESPACE();
 namespace assur::HWY_NAMESPACE {
 
-// The order of rows in which each pivot is the largest entry of its column, relative to its row. put(number of the
-// pair, value): see SmallLu
-template <class L, int N, class Put>
-HWY_INLINE void find_pivots(const L (&matrix)[N][N], const Put& put) {
-  L f[N][N], size[N];
-  for (int i = 0; i < N; ++i) {
-    size[i] = matrix[i][0] * matrix[i][0];
-    for (int j = 0; j < N; ++j) f[i][j] = matrix[i][j];
-    for (int j = 1; j < N; ++j) size[i] = size[i] + matrix[i][j] * matrix[i][j];
-  }
-  std::size_t pair = 0;
-  for (int k = 0; k < N; ++k) {
-    for (int i = k + 1; i < N; ++i, ++pair) {
-      const L swaps = f[i][k] * f[i][k] * size[k] - f[k][k] * f[k][k] * size[i];
-      put(pair, swaps);
-      const auto mask = positive(swaps);
-      for (int j = k; j < N; ++j) swap_if(mask, f[k][j], f[i][j]);
-      swap_if(mask, size[k], size[i]);
-    }
-    for (int i = k + 1; i < N; ++i) {
-      const L factor = f[i][k] / f[k][k];
-      for (int j = k + 1; j < N; ++j) f[i][j] = f[i][j] - factor * f[k][j];
-    }
-  }
-}
-
 // Makes the solved posture the anchor of the lanes that ask for one, and takes the part of the ball that the others
 // used. The figure `failed` then is 1 in lanes that left the ball, or whose posture is too close to a singular one:
 // they keep their anchors. Io: see TogetherGroup
 template <class L, int N, class Equations, class Io>
 HWY_INLINE void renew_anchors(Io& io, int derivatives, std::span<const std::int32_t> reads, Equations& equations,
-                              SmallLu<L, N>& lu) {
+                              SmallInverse<L, N>& inverse) {
   const L zero = L::set(0), one = L::set(1);
   L x[N], phi[N], jacobian[N][N], scale[N];
   typename Equations::Values u;
@@ -62,12 +36,11 @@ HWY_INLINE void renew_anchors(Io& io, int derivatives, std::span<const std::int3
   equations.evaluate(io, x, u, phi);
   for (int i = 0; i < N; ++i) scale[i] = equations.scale_of(io, i, x, u);
   equations.differentiate(io, u, jacobian);
-  const L poor = lu.factorize(jacobian, [&](std::size_t k) HWY_ATTR { return io.pivot(k); });
+  const L poor = inverse.invert(jacobian);
   L of_lipschitz[N], of_scale[N];
   for (int c = 0; c < N; ++c) {
-    L unit[N], column[N];
-    for (int i = 0; i < N; ++i) unit[i] = i == c ? one : zero;
-    lu.solve(unit, column);
+    L column[N];
+    inverse.column(c, column);
     const L lipschitz = io.load(Memory::lipschitz, idx(c));
     for (int r = 0; r < N; ++r) {
       const L size = abs(column[r]);
@@ -102,7 +75,6 @@ HWY_INLINE void renew_anchors(Io& io, int derivatives, std::span<const std::int3
     if (derivatives == 0) continue;
     renew(Memory::anchor_rates, k, reg < N ? io.load(Memory::rates, idx(reg)) : io.input(1, reg - N));
   }
-  find_pivots<L, N>(jacobian, [&](std::size_t k, const L& value) HWY_ATTR { renew(Memory::pivots, k, value); });
 }
 
 // NOLINTNEXTLINE(google-readability-namespace-comments)

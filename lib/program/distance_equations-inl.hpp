@@ -163,7 +163,8 @@ class DistanceEquations {
     for (int ij = 0; ij < N * N; ++ij) {
       L total = addend(in, first_moving_[ij], derivative);
       for (std::int32_t o = sums_[ij].moving + 1; o < sums_[ij].end; ++o) {
-        total = total + addend(in, addends_[idx(o)], derivative);
+        const Addend& next = addends_[idx(o)];
+        total.add_product(in.coefficient(next.coefficient), numbers_[derivative][idx(next.input)]);
       }
       b_[derivative].set(idx(ij), total);
     }

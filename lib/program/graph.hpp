@@ -99,6 +99,8 @@ class Graph {
 [[nodiscard]] inline Value if_at_most(const Value& a, const Value& b, const Value& yes, const Value& no) {
   return make(Op::select, a, b, yes, no);
 }
+// That is not known.
+[[nodiscard]] inline bool all_at_most(const Value&, const Value&) { return false; }
 inline void Value::add_product(const Value& a, const Value& b) { *this = make(Op::fma, a, b, *this); }
 inline void Value::subtract_product(const Value& a, const Value& b) { *this = make(Op::fnma, a, b, *this); }
 

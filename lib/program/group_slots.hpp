@@ -39,7 +39,6 @@ class GroupSlots {
     return load(kOf[derivative], idx(i));
   }
   [[nodiscard]] Value unknown(int j) const { return load(Memory::unknowns, idx(j)); }
-  [[nodiscard]] Value pivot(std::size_t k) const { return load(Memory::pivots, k); }
   [[nodiscard]] Value anchor(std::size_t k) const { return load(Memory::anchor, k); }
   [[nodiscard]] Value omega() const { return load(Memory::omega, 0); }
   [[nodiscard]] Value ball_used() const { return load(Memory::ball_used, 0); }

@@ -10,7 +10,7 @@
 namespace assur {
 namespace {
 
-// Places in Memory::work.
+// Places in Memory::work. active: 1 as long as the lane iterates; is_open: 1 if the first phase left it so, or rough.
 struct Layout {
   std::uint32_t n;
   [[nodiscard]] std::uint32_t unknown(std::uint32_t j) const { return j; }
@@ -18,7 +18,9 @@ struct Layout {
   [[nodiscard]] std::uint32_t weight(std::uint32_t i) const { return 2 * n + i; }
   [[nodiscard]] std::uint32_t relative() const { return 3 * n; }
   [[nodiscard]] std::uint32_t active() const { return 3 * n + 1; }
-  [[nodiscard]] std::uint32_t size() const { return 3 * n + 2; }
+  [[nodiscard]] std::uint32_t failed() const { return 3 * n + 2; }
+  [[nodiscard]] std::uint32_t is_open() const { return 3 * n + 3; }
+  [[nodiscard]] std::uint32_t size() const { return 3 * n + 4; }
 };
 
 // GroupSlots where inputs and predicted unknowns are values of the graph.
@@ -27,8 +29,8 @@ class GivenValues : public GroupSlots {
   GivenValues(const GroupSlots& slots, const GroupBegin& begin) : GroupSlots(slots), begin_(begin) {}
 
   [[nodiscard]] Value input(int derivative, std::int32_t i) const {
-    const Value& given = begin_.inputs[idx(i)];
-    return derivative > 0 || given.is_constant() ? GroupSlots::input(derivative, i) : given;
+    const Value& given = begin_.inputs[idx(derivative)][idx(i)];
+    return given.is_constant() ? GroupSlots::input(derivative, i) : given;
   }
   [[nodiscard]] Value unknown(int j) const { return begin_.unknowns[idx(j)]; }
 
@@ -36,45 +38,69 @@ class GivenValues : public GroupSlots {
   const GroupBegin& begin_;
 };
 
-// Writes the phases of a SmallGroup, one after the other.
+// Writes the phases of a SmallGroup. Most steps take one correction. So the first phase begins, corrects once and
+// finishes, all in registers; lanes that are not solved then iterate and finish in phases of their own.
 template <int N, class Equations>
 class Writer {
   using Group = HWY_NAMESPACE::SmallGroup<Value, N, Equations>;
+  using State = typename Group::State;
 
  public:
   template <class... Arguments>
-  Writer(std::uint16_t number, const GroupClass& group_class, const Program& program, const Arguments&... arguments)
-      : number_(number), group_class_(group_class), program_(program), group_(group_class, program, arguments...) {}
+  Writer(std::uint16_t number, std::span<const std::int32_t> reads, const GroupClass& group_class,
+         const Program& program, const Arguments&... arguments)
+      : number_(number),
+        reads_(reads),
+        group_class_(group_class),
+        program_(program),
+        group_(group_class, program, arguments...) {}
 
-  [[nodiscard]] StepProgram write(std::span<const std::int32_t> reads, const GroupBegin* begin) {
+  [[nodiscard]] StepProgram write(const GroupBegin* begin) {
     StepProgram out;
-    {
-      Graph own;
-      Graph& graph = begin != nullptr ? begin->graph : own;
-      typename Group::State s;
-      if (begin != nullptr) {
-        group_.begin(GivenValues(slots(graph), *begin), s);
-      } else {
-        group_.begin(slots(graph), s);
-      }
-      keep(graph, s);
-      for (std::uint32_t i = 0; i < kAt.n; ++i) graph.store(work(kAt.weight(i)), s.weight[i]);
-      out.phases.push_back(graph.phase());
+    if (begin != nullptr) {
+      write_first(begin->graph, GivenValues(slots(begin->graph), *begin), out);
+    } else {
+      Graph graph;
+      write_first(graph, slots(graph), out);
     }
     {
       Graph graph;
-      typename Group::State s = recall(graph);
+      State s = recall(graph);
       group_.iterate(slots(graph), s);
       keep(graph, s);
       out.phases.push_back(graph.phase());
       out.phases.back().repeat_while = work(kAt.active());
     }
     Graph graph;
-    typename Group::State s = recall(graph);
+    State s = recall(graph);
+    finish<true>(graph, slots(graph), s);
+    graph.store(work(kAt.is_open()), Value::set(0));
+    out.phases.push_back(graph.phase());
+    out.phases.back().repeat_while = work(kAt.is_open());
+    return out;
+  }
+
+ private:
+  template <class Source>
+  void write_first(Graph& graph, const Source& in, StepProgram& out) {
+    State s;
+    group_.begin(in, s);
+    group_.iterate(in, s);
+    keep(graph, s);
+    for (std::uint32_t i = 0; i < kAt.n; ++i) graph.store(work(kAt.weight(i)), s.weight[i]);
+    // Lanes that are not solved keep their prediction, like those that fail.
+    const Value active = s.active;
+    s.failed = s.failed + active;
+    const Value rough = finish<false>(graph, in, s);
+    graph.store(work(kAt.is_open()), if_at_most(active + rough, Value::set(0), Value::set(0), Value::set(1)));
+    out.phases.push_back(graph.phase());
+  }
+  template <bool kRefine, class Source>
+  Value finish(Graph& graph, const Source& in, State& s) {
     typename Group::Figures figures;
     Value rate[N], acceleration[N];
     const int derivatives = group_class_.derivatives;
-    group_.finish(slots(graph), derivatives, reads, s, rate, acceleration, figures);
+    group_.template finish<kRefine>(in, derivatives, reads_, s, rate, acceleration, figures);
     for (std::uint32_t j = 0; j < kAt.n; ++j) {
       graph.store(slot({Memory::unknowns, j}), s.x[j]);
       if (derivatives > 0) graph.store(slot({Memory::rates, j}), rate[j]);
@@ -86,33 +112,31 @@ class Writer {
     graph.store(slot(slot_of(GroupFigure::acceleration)), figures.acceleration);
     graph.store(slot(slot_of(GroupFigure::ball_used)), figures.ball_used);
     graph.store(slot(slot_of(GroupFigure::needs_anchor)), figures.needs_anchor);
-    out.phases.push_back(graph.phase());
-    return out;
+    return figures.rough;
   }
 
- private:
   [[nodiscard]] Slot slot(Slot of) const {
     of.group = number_;
     return of;
   }
   [[nodiscard]] Slot work(std::uint32_t index) const { return slot({Memory::work, index}); }
   [[nodiscard]] GroupSlots slots(Graph& graph) const { return {graph, program_, number_}; }
-  void keep(Graph& graph, const typename Group::State& s) const {
+  void keep(Graph& graph, const State& s) const {
     for (std::uint32_t i = 0; i < kAt.n; ++i) {
       graph.store(work(kAt.unknown(i)), s.x[i]);
       graph.store(work(kAt.residual(i)), s.phi[i]);
     }
     graph.store(work(kAt.relative()), s.relative);
     graph.store(work(kAt.active()), s.active);
-    graph.store(slot(slot_of(GroupFigure::failed)), s.failed);
+    graph.store(work(kAt.failed()), s.failed);
     graph.store(slot(slot_of(GroupFigure::iterations)), s.iterations);
   }
   // What earlier phases kept. Equations read their inputs again: unused results are not written, and even sums of four
   // inputs, as for the handle ends of a hexapod, are a tenth of the operations.
-  [[nodiscard]] typename Group::State recall(Graph& graph) {
+  [[nodiscard]] State recall(Graph& graph) {
     const GroupSlots of = slots(graph);
     group_.equations().set_inputs(of);
-    typename Group::State s;
+    State s;
     for (std::uint32_t i = 0; i < kAt.n; ++i) {
       s.x[i] = of.load(Memory::work, kAt.unknown(i));
       s.phi[i] = of.load(Memory::work, kAt.residual(i));
@@ -120,13 +144,14 @@ class Writer {
     }
     s.relative = of.load(Memory::work, kAt.relative());
     s.active = of.load(Memory::work, kAt.active());
-    s.failed = graph.load(slot(slot_of(GroupFigure::failed)));
+    s.failed = of.load(Memory::work, kAt.failed());
     s.iterations = graph.load(slot(slot_of(GroupFigure::iterations)));
     return s;
   }
 
   static constexpr Layout kAt{N};
   std::uint16_t number_;
+  std::span<const std::int32_t> reads_;
   const GroupClass& group_class_;
   const Program& program_;
   Group group_;
@@ -137,7 +162,7 @@ GroupProgram write(const GroupClass& group_class, const Program& equations, std:
                    const GroupBegin* begin) {
   const auto make = [&]<class E>(std::type_identity<E>, const auto&... arguments) {
     const std::uint16_t number = begin != nullptr ? begin->group : std::uint16_t{0};
-    return GroupProgram{Writer<N, E>(number, arguments...).write(reads, begin), Layout{N}.size()};
+    return GroupProgram{Writer<N, E>(number, reads, arguments...).write(begin), Layout{N}.size()};
   };
   return HWY_NAMESPACE::with_equations<Value, N>(group_class, equations, make);
 }
@@ -158,8 +183,6 @@ StepProgram write_anchor(const GroupClass& group_class, const Program& equations
 bool has_group_step(const GroupClass& c) {
   return (c.n == 2 || c.n == 3) && c.quadratic && c.blocks == 1 && c.first_wanted == 0;
 }
-
-std::size_t pivots_of_group_step(const GroupClass& c) { return idx(c.n * (c.n - 1) / 2); }
 
 GroupProgram group_step(const GroupClass& group_class, const Program& equations, std::span<const std::int32_t> reads,
                         const GroupBegin* begin) {

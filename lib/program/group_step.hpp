@@ -1,9 +1,11 @@
 // The step of a group with a few unknowns as a program: Newton's method, velocity, acceleration and the branch test.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "assur/structure.hpp"
 #include "equations/program.hpp"
@@ -46,20 +48,19 @@ struct GroupProgram {
 
 // True for classes of two or three unknowns, all wanted, in one irreducible block of quadratic equations.
 [[nodiscard]] bool has_group_step(const GroupClass& group_class);
-// Numbers in Memory::pivots.
-[[nodiscard]] std::size_t pivots_of_group_step(const GroupClass& group_class);
 
 // The begin of the step within a larger program.
 struct GroupBegin {
-  Graph& graph;               // the first phase is added to it
-  std::uint16_t group;        // of all slots
-  std::span<Value> inputs;    // constants: read from Memory::inputs, as they are in later phases
-  std::span<Value> unknowns;  // predicted
+  Graph& graph;         // the first phase is added to it
+  std::uint16_t group;  // of all slots
+  // [d]: d-th derivatives. Constants: read from Memory::inputs and so on, as all are in later phases
+  std::array<std::vector<Value>, 3> inputs;
+  std::vector<Value> unknowns;  // predicted
 };
 
 // For a class that has_group_step(). reads: coordinates of the branch test, as registers of `equations`.
-// Memory::unknowns holds the prediction, and the solution where the step does not fail. Rows k and i > k are swapped
-// before column k is eliminated where the pivot of this pair is positive. begin: null for a step by itself
+// Memory::unknowns holds the prediction, and the solution where the step does not fail. begin: null for a step by
+// itself
 [[nodiscard]] GroupProgram group_step(const GroupClass& group_class, const Program& equations,
                                       std::span<const std::int32_t> reads, const GroupBegin* begin = nullptr);
 

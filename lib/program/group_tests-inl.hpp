@@ -63,19 +63,31 @@ struct GroupTests {
     }
     return largest;
   }
+  // b - J x
+  static HWY_INLINE void rest(const Matrix& jacobian, const Column& x, const Column& b, Column& out) {
+    for (int i = 0; i < N; ++i) {
+      out[i] = b[i];
+      for (int j = 0; j < N; ++j) out[i].subtract_product(jacobian[i][j], x[j]);
+    }
+  }
   // |b - J x| / (|J| |x| + |b|) in maximum norms.
   static HWY_INLINE L residual(const Matrix& jacobian, const L& norm, const Column& x, const Column& b) {
     const L zero = L::set(0);
     L left = zero, poison = zero, norm_x = zero, size = zero;
+    Column difference;
+    rest(jacobian, x, b, difference);
     for (int i = 0; i < N; ++i) {
-      L rest = b[i];
-      for (int j = 0; j < N; ++j) rest.subtract_product(jacobian[i][j], x[j]);
-      include(rest, left, poison);
+      include(difference[i], left, poison);
       norm_x = max(abs(x[i]), norm_x);
       size = max(abs(b[i]), size);
     }
     size.add_product(norm, norm_x);
     return (left + poison) / if_at_most(size, zero, L::set(1), size);
+  }
+
+  // 0, or 1 where a residual exceeds the bound, or is NaN.
+  static HWY_INLINE L exceeds(const L& left, double bound) {
+    return if_at_most(left, L::set(bound), L::set(0), L::set(1));
   }
 
   // What a correction achieved.

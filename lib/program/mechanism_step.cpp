@@ -1,6 +1,7 @@
 #include "program/mechanism_step.hpp"
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <utility>
 
@@ -35,8 +36,7 @@ class Writer {
         }
       }
       const MechanismOutline::Groups& groups = of_.groups[g];
-      std::vector<Value> inputs = find_inputs(graph, g), unknowns = predict(graph, g);
-      const GroupBegin begin{graph, static_cast<std::uint16_t>(g), inputs, unknowns};
+      const GroupBegin begin{graph, static_cast<std::uint16_t>(g), find_inputs(graph, g), predict(graph, g)};
       GroupProgram step = group_step(groups.group_class, groups.equations, groups.reads, &begin);
       out_.work = std::max(out_.work, step.work);
       for (Phase& phase : step.program.phases) {
@@ -115,15 +115,16 @@ class Writer {
 
   // ---- groups
 
-  // The values of inputs that move; all derivatives are stored for later phases.
-  [[nodiscard]] std::vector<Value> find_inputs(Graph& graph, std::size_t group) {
+  // Inputs that move, which are stored for later phases, too.
+  [[nodiscard]] std::array<std::vector<Value>, 3> find_inputs(Graph& graph, std::size_t group) {
     const MechanismOutline::Groups& groups = of_.groups[group];
-    std::vector<Value> values(idx(groups.group_class.inputs));
+    std::array<std::vector<Value>, 3> values;
+    values.fill(std::vector<Value>(idx(groups.group_class.inputs)));
     for (std::int32_t i = 0; i < groups.group_class.inputs; ++i) {
       if (!moves(groups, i)) continue;
       const Jet<Value> input = gathered(graph, addresses(group, i));
-      values[idx(i)] = input.value;
       for (std::size_t d = 0; d <= idx(groups.group_class.derivatives); ++d) {
+        values[d][idx(i)] = input.*kParts[d];
         graph.store({kInputs[d], static_cast<std::uint32_t>(i), Reach::row, static_cast<std::uint16_t>(group)},
                     input.*kParts[d]);
       }
@@ -141,7 +142,6 @@ class Writer {
             graph.load({Memory::weights, k, Reach::one}),
             graph.load({memory, groups.unknowns + j * static_cast<std::uint32_t>(groups.lanes), Reach::from}));
       }
-      graph.store({Memory::unknowns, j, Reach::row, static_cast<std::uint16_t>(group)}, sum);
       unknowns.push_back(sum);
     }
     return unknowns;

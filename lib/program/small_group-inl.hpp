@@ -14,7 +14,7 @@
 #include "program/general_equations-inl.hpp"
 #include "program/group_tests-inl.hpp"
 #include "program/separable_equations-inl.hpp"
-#include "program/small_lu-inl.hpp"
+#include "program/small_inverse-inl.hpp"
 
 #include <cstddef>
 #include <cstdint>
@@ -33,7 +33,7 @@ namespace assur::HWY_NAMESPACE {
 // of a pack, by
 //   L coefficient(i)               of the equations, also zero_coefficient() and one_coefficient()
 //   L input(d, i), unknown(j)      d-th derivative of an input; predicted unknown
-//   L pivot(k), anchor(k), omega(), ball_used()  see Memory
+//   L anchor(k), omega(), ball_used()  see Memory
 //   L setting(GroupSetting)
 template <class L, int N, class Equations>
 class SmallGroup {
@@ -49,6 +49,7 @@ class SmallGroup {
   };
   struct Figures {
     L velocity, acceleration, ball_used, needs_anchor;
+    L rough;  // positive where linear solutions must be refined and were not
   };
 
   template <class... Arguments>
@@ -82,8 +83,8 @@ class SmallGroup {
     Column next, phi, by, ratio;
     equations_.evaluate(in, s.x, u, phi);
     equations_.differentiate(in, u, jacobian);
-    L failed = factorize(in, jacobian);
-    lu_.solve(s.phi, by);
+    L failed = inverse_.invert(jacobian);
+    inverse_.solve(s.phi, by);
     for (int j = 0; j < N; ++j) next[j] = s.x[j] - by[j];
     equations_.evaluate(in, next, u, phi);
     Tests::multiply(phi, s.weight, ratio);
@@ -112,30 +113,30 @@ class SmallGroup {
     s.active = if_at_most(s.active, zero, zero, goes_on);
   }
 
-  // Velocity and acceleration, as far as `derivatives` says. Makes State::failed 0 or 1; where it is 1, State::x is the
-  // prediction again. reads: coordinates of the branch test, as registers.
-  template <class Source>
+  // Velocity and acceleration, as far as `derivatives` says. Makes State::failed 0 or 1; where it is 1, or where
+  // solutions are rough, State::x is the prediction again. reads: coordinates of the branch test, as registers.
+  template <bool kRefine, class Source>
   HWY_INLINE void finish(const Source& in, int derivatives, std::span<const std::int32_t> reads, State& s, Column& rate,
                          Column& acceleration, Figures& figures) {
     figures.velocity = figures.acceleration = L::set(-1);  // not computed
+    figures.rough = L::set(0);
     if (derivatives > 0) {
       typename Equations::Values u;
       Matrix jacobian;
       Column rhs;
       equations_.evaluate(in, s.x, u, rhs);
       equations_.differentiate(in, u, jacobian);
-      const L poor = factorize(in, jacobian), norm = Tests::norm_of(jacobian);
+      const L poor = inverse_.invert(jacobian), norm = Tests::norm_of(jacobian);
       equations_.set_rates(in);
       equations_.velocity_rhs(in, s.x, u, rhs);
-      lu_.solve(rhs, rate);
-      figures.velocity = Tests::residual(jacobian, norm, rate, rhs);
-      s.failed = s.failed + poor + (figures.velocity - figures.velocity);
+      figures.velocity = solve<kRefine>(jacobian, norm, rhs, rate, figures.rough);
+      s.failed = s.failed + poor;
+      if (kRefine) s.failed = s.failed + (figures.velocity - figures.velocity);  // else it is rough
       if (derivatives > 1) {
         equations_.set_accelerations(in);
         equations_.acceleration_rhs(in, s.x, u, rate, rhs);
-        lu_.solve(rhs, acceleration);
-        figures.acceleration = Tests::residual(jacobian, norm, acceleration, rhs);
-        s.failed = s.failed + (figures.acceleration - figures.acceleration);
+        figures.acceleration = solve<kRefine>(jacobian, norm, rhs, acceleration, figures.rough);
+        if (kRefine) s.failed = s.failed + (figures.acceleration - figures.acceleration);
       }
     }
     figures.ball_used = Tests::ball_use(in, reads.size(), [&](std::size_t k) HWY_ATTR {
@@ -144,22 +145,39 @@ class SmallGroup {
     figures.needs_anchor = Tests::needs_anchor(figures.ball_used, in.ball_used());
     const L zero = L::set(0), one = L::set(1);
     s.failed = if_at_most(s.failed, zero, zero, one);
-    for (int j = 0; j < N; ++j) s.x[j] = if_at_most(s.failed, zero, s.x[j], in.unknown(j));
+    const L unsolved = s.failed + figures.rough;
+    for (int j = 0; j < N; ++j) s.x[j] = if_at_most(unsolved, zero, s.x[j], in.unknown(j));
   }
 
   // For the lanes that need an anchor after finish().
   template <class Io>
   HWY_INLINE void renew_anchors(int derivatives, std::span<const std::int32_t> reads, Io& io) {
-    HWY_NAMESPACE::renew_anchors<L, N>(io, derivatives, reads, equations_, lu_);
+    HWY_NAMESPACE::renew_anchors<L, N>(io, derivatives, reads, equations_, inverse_);
   }
 
  private:
-  template <class Source>
-  HWY_INLINE L factorize(const Source& in, const Matrix& matrix) {
-    return lu_.factorize(matrix, [&](std::size_t k) HWY_ATTR { return in.pivot(k); });
+  // Returns the residual. Cofactors alone leave residuals that grow with the condition. The few solutions where that
+  // matters are refined.
+  template <bool kRefine>
+  HWY_INLINE L solve(const Matrix& jacobian, const L& norm, const Column& rhs, Column& x, L& rough) const {
+    inverse_.solve(rhs, x);
+    const L left = Tests::residual(jacobian, norm, x, rhs);
+    if constexpr (!kRefine) {
+      rough = rough + Tests::exceeds(left, kLinear);
+      return left;
+    }
+    const L bound = L::set(kLinear);
+    if (all_at_most(left, bound)) return left;
+    Column rest, refined;
+    Tests::rest(jacobian, x, rhs, rest);
+    for (int j = 0; j < N; ++j) refined[j] = x[j];
+    inverse_.add_solution(rest, refined);
+    for (int j = 0; j < N; ++j) x[j] = if_at_most(left, bound, x[j], refined[j]);
+    return Tests::residual(jacobian, norm, x, rhs);
   }
+
   Equations equations_;
-  SmallLu<L, N> lu_;
+  SmallInverse<L, N> inverse_;
 };
 
 // Calls make(std::type_identity<Equations>(), arguments of the constructor of Equations...) with the equations that

@@ -62,7 +62,6 @@ enum class Memory : std::uint8_t {
   unknowns,  // predicted, and at the end solved
   rates,
   accelerations,
-  pivots,     // order of rows
   anchor,     // coordinates at the centre of the ball
   omega,      // of the ball
   ball_used,  // part of it, before the step

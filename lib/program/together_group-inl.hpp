@@ -12,7 +12,7 @@
 #include "program/distance_equations-inl.hpp"
 #include "program/group_tests-inl.hpp"
 #include "program/separable_equations-inl.hpp"
-#include "program/small_lu-inl.hpp"
+#include "program/small_inverse-inl.hpp"
 
 #include <cstddef>
 #include <cstdint>
@@ -31,10 +31,10 @@
 HWY_BEFORE_NAMESPACE();
 namespace assur::HWY_NAMESPACE {
 
-// Numbers in Memory::work: weights, the largest residual, a right-hand side, and factors.
+// Numbers in Memory::work: weights, the largest residual, a right-hand side, and an inverse.
 template <int N>
 constexpr std::size_t work_of_together_group() {
-  return 2 * N + 1 + SmallLu<Value, N>::kFactors;
+  return 2 * N + 1 + SmallInverse<Value, N>::kNumbers;
 }
 
 // L, Equations: see SmallGroup. Io: the Source of a SmallGroup, and
@@ -45,7 +45,6 @@ class TogetherGroup {
   using Tests = GroupTests<L, N>;
   using Column = typename Tests::Column;
   using Matrix = typename Tests::Matrix;
-  using Lu = SmallLu<L, N>;
 
  public:
   TogetherGroup(std::span<const std::int32_t> reads, const Slopes& slopes, const GroupClass& group_class,
@@ -68,13 +67,13 @@ class TogetherGroup {
       case TogetherPass::finish:
         return finish(io);
       case TogetherPass::anchors:
-        return renew_anchors<L, N>(io, derivatives_, reads_, s_, lu_);
+        return renew_anchors<L, N>(io, derivatives_, reads_, s_, inverse_);
     }
   }
 
  private:
   // Places in Memory::work.
-  static constexpr std::size_t kWeights = 0, kRelative = N, kRhs = N + 1, kFactors = 2 * N + 1;
+  static constexpr std::size_t kWeights = 0, kRelative = N, kRhs = N + 1, kInverse = 2 * N + 1;
 
   // The equations at the current posture.
   struct Here {
@@ -110,9 +109,8 @@ class TogetherGroup {
     return to;
   }
   template <class Io>
-  HWY_INLINE void recall_factors(const Io& io) {
-    lu_.recall([&](std::size_t k) HWY_ATTR { return io.load(Memory::work, kFactors + k); },
-               [&](std::size_t k) HWY_ATTR { return io.pivot(k); });
+  HWY_INLINE void recall_inverse(const Io& io) {
+    inverse_.recall([&](std::size_t k) HWY_ATTR { return io.load(Memory::work, kInverse + k); });
   }
 
   template <bool kBegin, class Io>
@@ -149,16 +147,15 @@ class TogetherGroup {
 
     Matrix jacobian;
     s_.differentiate(io, at.u, jacobian);
-    const L poor = lu_.factorize(jacobian, [&](std::size_t k) HWY_ATTR { return io.pivot(k); });
+    const L poor = inverse_.invert(jacobian);
     tell_failed(io, failed + poor);
-    lu_.keep([&](std::size_t k, const L& value) HWY_ATTR { io.store(Memory::work, kFactors + k, value); });
+    inverse_.keep([&](std::size_t k, const L& value) HWY_ATTR { io.store(Memory::work, kInverse + k, value); });
     Column rhs, own;
     for (int i = 0; i < N; ++i) rhs[i] = zero - at.phi[i];
-    lu_.solve(rhs, own);
+    inverse_.solve(rhs, own);
     store(io, Memory::own, own);
     for (std::size_t k = 0; k < slopes_.equations.size(); ++k) {
-      for (int j = 0; j < N; ++j) rhs[j] = j == slopes_.equations[k] ? one : zero;
-      lu_.solve(rhs, own);
+      inverse_.column(slopes_.equations[k], own);
       store(io, static_cast<Memory>(kColumns + k), own);
     }
     for (std::size_t e = 0; e < slopes_.entries.size(); ++e) io.store(Memory::slopes, e, slope(io, at, e));
@@ -201,8 +198,8 @@ class TogetherGroup {
     Column rhs, own;
     s_.set_rates(io);
     s_.velocity_rhs(io, at.x, at.u, rhs);
-    recall_factors(io);
-    lu_.solve(rhs, own);
+    recall_inverse(io);
+    inverse_.solve(rhs, own);
     store(io, Memory::own, own);
   }
 
@@ -218,13 +215,13 @@ class TogetherGroup {
     s_.velocity_rhs(io, at.x, at.u, rhs);
     const L residual = Tests::residual(jacobian, Tests::norm_of(jacobian), rate, rhs);
     tell(io, GroupFigure::velocity, residual);
-    tell_failed(io, figure(io, GroupFigure::failed) + (residual - residual));
+    tell_failed(io, figure(io, GroupFigure::failed) + Tests::exceeds(residual, kPivotsGrew));
     if (derivatives_ < 2) return;
     s_.set_accelerations(io);
     s_.acceleration_rhs(io, at.x, at.u, rate, rhs);
     store(io, Memory::work, rhs, kRhs);
-    recall_factors(io);
-    lu_.solve(rhs, own);
+    recall_inverse(io);
+    inverse_.solve(rhs, own);
     store(io, Memory::own, own);
   }
 
@@ -244,7 +241,7 @@ class TogetherGroup {
       }
       const L residual = Tests::residual(jacobian, Tests::norm_of(jacobian), acceleration, rhs);
       tell(io, GroupFigure::acceleration, residual);
-      tell_failed(io, figure(io, GroupFigure::failed) + (residual - residual));
+      tell_failed(io, figure(io, GroupFigure::failed) + Tests::exceeds(residual, kPivotsGrew));
     }
     const L used = Tests::ball_use(io, reads_.size(), [&](std::size_t k) HWY_ATTR {
       return reads_[k] < N ? at.x[reads_[k]] : s_.input(reads_[k] - N);
@@ -257,7 +254,7 @@ class TogetherGroup {
   std::span<const std::int32_t> reads_;  // coordinates of the branch test
   const Slopes& slopes_;
   Equations s_;
-  Lu lu_;
+  SmallInverse<L, N> inverse_;
 };
 
 // Calls make(std::type_identity<TogetherGroup>(), program, separable) with the one that serves a class best.

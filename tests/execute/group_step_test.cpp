@@ -66,7 +66,6 @@ struct Setting {
     size(Memory::coefficients) = equations.coefficients.size();
     for (const Memory of : {Memory::inputs, Memory::input_rates, Memory::input_accelerations}) size(of) = inputs;
     for (const Memory of : {Memory::unknowns, Memory::rates, Memory::accelerations, Memory::lipschitz}) size(of) = n;
-    size(Memory::pivots) = pivots_of_group_step(group_class);
     size(Memory::anchor) = size(Memory::anchor_rates) = reads.size();
     size(Memory::settings) = kGroupSettings;
     size(Memory::work) = work;
@@ -85,10 +84,6 @@ struct Setting {
       for (std::size_t k = 0; k < reads.size(); ++k) {
         const auto reg = idx(reads[k]);
         m({Memory::anchor, static_cast<std::uint32_t>(k)}, l) = reg < n ? c.unknowns[reg] : c.inputs[reg - n];
-      }
-      // Both orders of each pair of rows occur.
-      for (std::size_t k = 0; k < pivots_of_group_step(group_class); ++k) {
-        m({Memory::pivots, static_cast<std::uint32_t>(k)}, l) = (first + l + k) % 2 == 0 ? 1 : -1;
       }
       for (std::size_t i = 0; i < n; ++i) m({Memory::lipschitz, static_cast<std::uint32_t>(i)}, l) = c.omega;
       m({Memory::omega, 0}, l) = c.omega;
@@ -129,9 +124,6 @@ std::vector<std::uint64_t> bits_of(test::StepMemory& m, const Setting& at, std::
     for (const Memory memory : {Memory::anchor, Memory::anchor_rates}) {
       all.push_back(bits(m({memory, static_cast<std::uint32_t>(k)}, lane)));
     }
-  }
-  for (std::size_t k = 0; k < pivots_of_group_step(at.group_class); ++k) {
-    all.push_back(bits(m({Memory::pivots, static_cast<std::uint32_t>(k)}, lane)));
   }
   return all;
 }

@@ -91,7 +91,6 @@ void expect_the_same_step(const Scene& scene, const std::string& strategy) {
     }
     work.set_inputs(pack, predicted.values[0].data());
     work.evaluate(predicted.values[0].data() + pack.unknowns);
-    choose_pivots(work, pack, {});
     std::vector<State> found;
     std::vector<SmallStepFigures> figures;
     std::vector<std::vector<double>> iterations;
