@@ -26,7 +26,8 @@ constexpr std::size_t kCases = 16;
 
 // A class of groups with random predictions near the start, one in each case.
 struct Setting {
-  Setting(const Structure& structure, std::int32_t c, test::Draw& draw)
+  // off: how far predictions are from the solution
+  Setting(const Structure& structure, std::int32_t c, test::Draw& draw, double off = 1e-5)
       : s(structure),
         group_class(s.classes[idx(c)]),
         equations(compile(group_class, s.pattern(c))),
@@ -45,11 +46,11 @@ struct Setting {
       bind_coefficients(equations, constants, at.coefficients.data(), 1);
       for (std::int32_t k = 0; k < group_class.inputs; ++k) {
         const bool moves = group_class.input_moves[idx(k)] != 0;
-        at.inputs.push_back(s.start[idx(g.inputs[idx(k)])] + (moves ? draw.real(-1e-5, 1e-5) : 0));
+        at.inputs.push_back(s.start[idx(g.inputs[idx(k)])] + (moves ? draw.real(-off, off) : 0));
         at.input_rates.push_back(moves ? draw.real(-1, 1) : 0);
         at.input_accelerations.push_back(moves ? draw.real(-1, 1) : 0);
       }
-      for (const Index u : g.unknowns) at.unknowns.push_back(s.start[idx(u)] + draw.real(-1e-5, 1e-5));
+      for (const Index u : g.unknowns) at.unknowns.push_back(s.start[idx(u)] + draw.real(-off, off));
       at.omega = 0.1;
     }
   }
@@ -239,7 +240,44 @@ TEST(GroupStep, HasTheSameBitsForEveryExecutorAndNumberOfLanes) {
     }
   }
   EXPECT_GT(classes, 10);
-  EXPECT_GT(solved, 8 * classes);  // the others have pivots that are too small
+  EXPECT_GT(solved, 8 * classes);  // the others are too close to a singular posture
+}
+
+// A point close to the plane of three others at given distances: cofactors alone leave residuals of 1e-12.
+TEST(GroupStep, RefinesLinearSolutionsWhereResidualsAreLarge) {
+  test::Draw draw(3);
+  for (const double height : {1e-2, 1e-3, 1e-4}) {
+    SCOPED_TRACE(height);
+    SceneBuilder b("flat", 3);
+    b.fixed_point("P", {1, 0, 0}).fixed_point("Q", {0, 1, 0}).point("C", {0.3, 0.3, 0.1});
+    b.drive("x", DrivenCoordinate{"C.x", Law::harmonics({{0.02, 3, 0}}, 0.3)});
+    b.drive("y", DrivenCoordinate{"C.y", Law::harmonics({{0.02, 2, 0}}, 0.3)});
+    b.drive("z", DrivenCoordinate{"C.z", Law::harmonics({{0.02, 1, 0}}, 0.1)});
+    // The plane through P, Q and C is x + y + 4 z = 1.
+    b.point("T", {0.9, 0.8, (1 - 0.9 - 0.8) / 4 + height});
+    for (const std::string of : {"P", "Q", "C"}) b.constrain("leg" + of, Distance{of, "T", std::nullopt});
+    const Prepared prepared = prepare(b.time(0, 1, 0.01).build(), {.strategy = "irreducible/lanes"});
+    ASSERT_EQ(prepared.structure->classes.size(), 1U);
+    const Setting at(*prepared.structure, 0, draw, 1e-4 * height * height);
+    ASSERT_TRUE(has_group_step(at.group_class));
+    const GroupProgram step = group_step(at.group_class, at.equations, at.reads);
+    std::vector<std::vector<std::uint64_t>> expected;
+    for (const test::NamedExecutor& e : test::executors_of(step.program)) {
+      SCOPED_TRACE(e.name);
+      for (std::size_t first = 0; first < kCases; first += idx(e.lanes)) {
+        test::StepMemory m = at.memory(first, e.lanes, step.work);
+        e.executor->run(m.at);
+        if (first == 0 && e.lanes == 1) expect_solved(m, at);
+        for (std::size_t l = 0; l < idx(e.lanes); ++l) {
+          ASSERT_EQ(m(slot_of(GroupFigure::failed), l), 0);
+          EXPECT_LE(m(slot_of(GroupFigure::velocity), l), kLinear);
+          EXPECT_LE(m(slot_of(GroupFigure::acceleration), l), kLinear);
+          if (expected.size() == first + l) expected.push_back(bits_of(m, at, l));
+          ASSERT_EQ(bits_of(m, at, l), expected[first + l]) << "case " << first + l;
+        }
+      }
+    }
+  }
 }
 
 }  // namespace
