@@ -243,22 +243,20 @@ TEST(GroupStep, HasTheSameBitsForEveryExecutorAndNumberOfLanes) {
   EXPECT_GT(solved, 8 * classes);  // the others are too close to a singular posture
 }
 
-// A point close to the plane of three others at given distances: cofactors alone leave residuals of 1e-12.
+// A point at given distances from three others, which are close together: cofactors alone leave large residuals.
 TEST(GroupStep, RefinesLinearSolutionsWhereResidualsAreLarge) {
   test::Draw draw(3);
-  for (const double height : {1e-2, 1e-3, 1e-4}) {
-    SCOPED_TRACE(height);
-    SceneBuilder b("flat", 3);
-    b.fixed_point("P", {1, 0, 0}).fixed_point("Q", {0, 1, 0}).point("C", {0.3, 0.3, 0.1});
-    b.drive("x", DrivenCoordinate{"C.x", Law::harmonics({{0.02, 3, 0}}, 0.3)});
-    b.drive("y", DrivenCoordinate{"C.y", Law::harmonics({{0.02, 2, 0}}, 0.3)});
-    b.drive("z", DrivenCoordinate{"C.z", Law::harmonics({{0.02, 1, 0}}, 0.1)});
-    // The plane through P, Q and C is x + y + 4 z = 1.
-    b.point("T", {0.9, 0.8, (1 - 0.9 - 0.8) / 4 + height});
+  for (const double apart : {1e-2, 1e-3, 3e-4}) {
+    SCOPED_TRACE(apart);
+    SceneBuilder b("steep", 3);
+    b.fixed_point("P", {apart, 0, 0}).fixed_point("Q", {0, apart, 0}).point("C", {0, 0, 0}).point("T", {0.3, 0.2, 1});
+    for (const std::string axis : {"x", "y", "z"}) {
+      b.drive(axis, DrivenCoordinate{"C." + axis, Law::harmonics({{0.1 * apart, 3, 0}})});
+    }
     for (const std::string of : {"P", "Q", "C"}) b.constrain("leg" + of, Distance{of, "T", std::nullopt});
     const Prepared prepared = prepare(b.time(0, 1, 0.01).build(), {.strategy = "irreducible/lanes"});
     ASSERT_EQ(prepared.structure->classes.size(), 1U);
-    const Setting at(*prepared.structure, 0, draw, 1e-4 * height * height);
+    const Setting at(*prepared.structure, 0, draw, 1e-4 * apart * apart);
     ASSERT_TRUE(has_group_step(at.group_class));
     const GroupProgram step = group_step(at.group_class, at.equations, at.reads);
     std::vector<std::vector<std::uint64_t>> expected;
