@@ -551,16 +551,14 @@ bool ErrorEstimate::serves(const Mechanism& m, const double* divisors) {
 // A measurement at rest, or at low speed, underestimates the errors of velocities and accelerations.
 bool ErrorEstimate::is_faster(const double* const (&state)[3]) const {
   if (!wanted_[1] && !wanted_[2]) return false;
-  bool faster = false;
   for (std::size_t i = 0; i < used_; ++i) {
     const double* fast = mechanisms_[i].fast.data();
     for (const std::int32_t a : driven_) {
-      faster |= std::abs(state[1][idx(a) + i]) > fast[0];
-      faster |= std::abs(state[2][idx(a) + i]) > fast[1];
+      if (std::abs(state[1][idx(a) + i]) > fast[0] || std::abs(state[2][idx(a) + i]) > fast[1]) return true;
       fast += 2;
     }
   }
-  return faster;
+  return false;
 }
 
 // For steps without a measurement, takes the largest error that their residual allows.

@@ -43,19 +43,17 @@ void Bows::resize(Layout& layout, std::size_t laws, std::size_t mechanisms) {
   measured_.omega.assign(blocks, 0.0);
 }
 
-bool Bows::take(std::span<const double> bows) {
+bool Bows::take(std::span<const double> bows, std::size_t mechanism) {
   if (mechanisms_ == 0) return false;
-  bool any = false;
-  std::copy(bows.begin(), bows.end(), bows_.begin());
-  for (std::size_t m = 0; m < mechanisms_; ++m) {
-    double times = 0;
-    for (std::size_t i = m * laws_; i < (m + 1) * laws_; ++i) {
-      if (bows_[i] > times * measured_.weights[i]) times = bows_[i] / measured_.weights[i];  // or infinite
-    }
-    times_[m] = times;
-    any = any || times > 0;
+  const std::size_t first = mechanism * laws_;
+  std::copy(bows.begin(), bows.end(), bows_.begin() + static_cast<std::ptrdiff_t>(first));
+  double times = 0;
+  for (std::size_t i = 0; i < laws_; ++i) {
+    const double before = measured_.weights[first + i];
+    if (bows[i] > times * before) times = bows[i] / before;  // or infinite
   }
-  return any;
+  times_[mechanism] = times;
+  return times > 0;
 }
 
 bool Bows::serve(std::int64_t branch_checks) {

@@ -34,8 +34,8 @@ class Bows {
   // Forgets the probes if only the next step that comes close to its limit needs new ones.
   void doubt() { measured_.doubted = true; }
 
-  // Takes the bows of the laws on a step: mechanisms x laws. False if no law leaves its chord.
-  [[nodiscard]] bool take(std::span<const double> bows);
+  // Takes the bows of the laws of a mechanism on a step. False if none of them leaves its chord.
+  bool take(std::span<const double> bows, std::size_t mechanism = 0);
   // After take(): true if the probes serve for this step.
   [[nodiscard]] bool serve(std::int64_t branch_checks);
 

@@ -181,7 +181,7 @@ void Continuation::save(Snapshot& into, bool in_step) const {
   into.selected_at = selected_at_;
   into.turn_guessed = in_step ? at_begin_.turn_guessed : turn_guessed_;
   mechanism_.save(into.mechanism, in_step, report_.counters.branch_checks);
-  into.angles = inputs_.accepted_angles();
+  into.angles = inputs_.program().accepted_angles();
   bows_.save(into.bows, report_.counters.branch_checks);
   into.limit_at = limit_at_;
   into.pack_limits.clear();
@@ -209,7 +209,7 @@ void Continuation::restore(const Snapshot& from) {
   selected_at_ = from.selected_at;
   turn_guessed_ = from.turn_guessed;
   mechanism_.restore(from.mechanism, now_, report_.counters.branch_checks);
-  inputs_.accept(from.angles);
+  inputs_.program().accept(from.angles);
   bows_.restore(from.bows, report_.counters.branch_checks);
   drop_limit();
   if (!from.pack_limits.empty()) layout_.limits = from.pack_limits;
@@ -304,8 +304,8 @@ Status Continuation::solve_all(double t, Attempt::Branch branch, StepErrors& err
 // Length of a step to t, whose known coordinates are at hand, over the largest allowed one: by the turns of the
 // drivers, and by what their laws may do within the step.
 double Continuation::bent(double t) {
-  if (inputs_.renew_bows(now_, t)) bends_ = bows_.take(inputs_.bows());
-  const double turn = inputs_.turned(angles_together_);
+  if (inputs_.renew_bows(now_, t)) bends_ = bows_.take(inputs_.program().bows());
+  const double turn = inputs_.program().turned(inputs_.program().accepted_angles(), angles_together_, system_.teeth);
   if (turn > 1 || !bends_) return turn;
   if (!bows_.serve(report_.counters.branch_checks)) {
     measure_bows();
@@ -441,7 +441,7 @@ void Continuation::tell(const Status& stopped, double target) {
 void Continuation::accept(double t, const StepErrors& errors) {
   if (t != limit_at_ && !std::isnan(limit_at_)) drop_limit();
   state_.accept(t);
-  inputs_.accept();
+  inputs_.program().accept();
   if (mechanism_.is_followed()) mechanism_.accept(t - now_, passes_);
   now_ = t;
   report_.reached = t;

@@ -4,15 +4,13 @@
 #include <cmath>
 #include <utility>
 
-#include "program/step_rules.hpp"
 #include "index.hpp"
 #include "numbers.hpp"
+#include "program/step_rules.hpp"
 #include "scene/residual_scale.hpp"
 
 namespace assur {
 namespace {
-
-constexpr double kEqualSteps = 1e-10;  // steps of a grid differ by the rounding of times
 
 // False if a solver still has the pivots with which it began.
 bool has_worked(const Effort& e) { return e.redone + e.renewed + e.refined + e.unplanned + e.in_double > 0; }
@@ -25,7 +23,6 @@ Tile::Tile(const Prepared& prepared, const StepLimits& limits)
       lanes_(prepared.plan.lanes),
       layout_(lay_out_side_by_side(prepared, lanes_)),
       together_(angles_together(*structure_->system, *structure_)),
-      driven_angles_(idx(lanes_)),
       columns_(column_names(*structure_->system)),
       outputs_(idx(lanes_), OutputProgram(*structure_->system, layout_.address)),
       turns_(outputs_.begin(), outputs_.end()),
@@ -104,15 +101,19 @@ void Tile::begin_bows() {
   const auto bends = [](const std::optional<DriveProgram>& program) { return program && program->bends(); };
   const std::size_t laws = drive_[0]->laws();
   const bool any = std::any_of(drive_.begin(), drive_.begin() + static_cast<std::ptrdiff_t>(variants_.size()), bends);
-  if (any && law_bows_.empty()) {
+  may_bend_ = may_bend_ || any;
+  if (any && known_[0].empty()) {
     bows_.resize(layout_, laws, idx(lanes_));
-    law_bows_.assign(idx(lanes_) * laws, 0.0);
     for (LaneArray& v : known_) v.assign(layout_.size, 0.0);
   }
-  std::fill(law_bows_.begin(), law_bows_.end(), 0.0);
   for (Mechanism& m : mechanisms_) m.clear();
   bows_.clear();
-  length_of_bows_ = kNan;
+  bends_ = false;
+  const std::vector<double> none(laws, 0.0);
+  for (std::size_t lane = 0; lane < idx(lanes_); ++lane) {
+    if (drive_[lane]) drive_[lane]->forget_bows();
+    bows_.take(none, lane);
+  }
 }
 
 void Tile::bind(bool alike) {
@@ -274,31 +275,20 @@ Status Tile::solve_all(std::span<const double> times, Attempt::Branch branch, St
 
 // A lane fails whose drivers turn, or may bend between its postures, by more than a step may.
 Status Tile::check_bows(std::span<const double> times) {
-  const std::size_t laws = drive_[0]->laws();
-  const double h = std::abs(times[0] - now_[0]);
-  if (!law_bows_.empty() && !(std::abs(h - length_of_bows_) <= kEqualSteps * h)) {
-    bool evenly = true;
-    for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
-      double* const bows = law_bows_.data() + lane * laws;
-      if (lane < driven_lanes_) {
-        drive_[lane]->bows(now_[lane], times[lane], {bows, laws});
-        evenly = evenly && drive_[lane]->bends_evenly();
-      } else {
-        std::copy_n(law_bows_.begin(), laws, bows);
-      }
-    }
-    length_of_bows_ = evenly ? h : kNan;
-    bends_ = bows_.take(law_bows_);
+  bool is_new = false;
+  for (std::size_t lane = 0; lane < driven_lanes_ && may_bend_; ++lane) {
+    is_new = drive_[lane]->renew_bows(now_[lane], times[lane]) || is_new;
+  }
+  if (is_new) bends_ = false;
+  for (std::size_t lane = 0; lane < variants_.size() && is_new; ++lane) {
+    bends_ = bows_.take(drive_[lane < driven_lanes_ ? lane : 0]->bows(), lane) || bends_;
   }
   for (std::size_t lane = 0; lane < driven_lanes_; ++lane) {
-    const std::size_t before = lane < lanes_accepted_ ? lane : 0;
-    const std::span<const double> bows =
-        law_bows_.empty() ? std::span<const double>() : std::span(law_bows_).subspan(lane * laws, laws);
-    const double part =
-        turned(driven_angles_[before], drive_[lane]->angles(), bows, together_, structure_->system->teeth);
+    const DriveProgram& before = *drive_[lane < lanes_accepted_ ? lane : 0];
+    const double part = drive_[lane]->turned(before.accepted_angles(), together_, structure_->system->teeth);
     if (part > 1) return {Code::branch_unknown, Place::lane(static_cast<std::int32_t>(lane)), part};
   }
-  if (law_bows_.empty() || !bends_) return {};
+  if (!bends_) return {};
   if (!bows_.serve(counters_.branch_checks)) measure_bows(times);
   for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
     const double part = bows_.part(lane);
@@ -444,13 +434,7 @@ Status Tile::follow_angles(double seconds) {
 void Tile::accept(std::span<const double> times) {
   state_.accept(times[0]);
   lanes_accepted_ = driven_lanes_;
-  for (std::size_t lane = 0; lane < driven_lanes_; ++lane) {
-    const std::span<const double> angles = drive_[lane]->angles();
-    drive_[lane]->accept();
-    std::vector<double>& accepted = driven_angles_[lane];
-    if (accepted.size() != angles.size()) accepted.resize(angles.size());
-    for (std::size_t i = 0; i < angles.size(); ++i) accepted[i] = angles[i];
-  }
+  for (std::size_t lane = 0; lane < driven_lanes_; ++lane) drive_[lane]->accept();
   for (Mechanism& m : mechanisms()) m.accept(times[0] - now_[0]);
   now_.assign(times.begin(), times.end());
 }

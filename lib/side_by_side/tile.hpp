@@ -142,9 +142,8 @@ class Tile {
   std::vector<Index> driven_coordinates_;
   std::vector<std::optional<DriveProgram>> drive_;  // lanes
   int together_;                                    // angles_together()
-  std::size_t driven_lanes_ = 0;  // lanes whose laws were evaluated last; the others have those of the first
-  std::vector<std::vector<double>> driven_angles_;  // lanes: of the drivers, at the last posture
-  std::size_t lanes_accepted_ = 1;                  // lanes with driven angles; the others have those of the first
+  std::size_t driven_lanes_ = 0;    // lanes whose laws were evaluated last; the others have those of the first
+  std::size_t lanes_accepted_ = 1;  // the same at the last posture
   std::vector<std::string> columns_;
   std::vector<OutputProgram> outputs_;                   // lanes
   std::vector<AngleTurns> turns_;                        // lanes
@@ -156,9 +155,8 @@ class Tile {
   ErrorEstimate estimate_;
   State state_;
   Bows bows_;
-  std::vector<double> law_bows_;    // lanes x laws
-  double length_of_bows_ = kNan;    // the step that they are for, if they depend on its length only
-  bool bends_ = false;              // a law leaves its chord on that step
+  bool may_bend_ = false;           // a law of a lane may leave its chord
+  bool bends_ = false;              // one does so on the step that bows_ has
   std::array<LaneArray, 3> known_;  // for bows_: known coordinates and their derivatives, in the layout of the state
   std::vector<const Variant*> variants_;     // lanes in use
   std::vector<const System*> bound_to_;      // lanes: system of the programs

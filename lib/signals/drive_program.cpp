@@ -36,6 +36,8 @@ DriveProgram::DriveProgram(const System& system, const Driven& driven) {
   for (std::vector<double>* v : {&base_, &jets_[0], &jets_[1], &jets_[2], &sines_, &cosines_}) v->resize(padded);
   held_.resize(laws_);
   bend_.resize(laws_);
+  bows_.resize(laws_);
+  accepted_angles_.resize(angles_);
   slot_of_.resize(system.coordinates.size(), -1);
   for (const Index input : driven.inputs) add_input(system, idx(input));
   for (const Index i : driven.assignments) add_assignment(system, system.assignments[idx(i)]);
@@ -287,21 +289,30 @@ bool DriveProgram::bends() const {
          std::any_of(bend_.begin(), bend_.end(), [](const Bend& b) { return b.acceleration != 0 || b.steady != 0; });
 }
 
-void DriveProgram::bows(double from, double to, std::span<double> bows) {
+bool DriveProgram::renew_bows(double from, double to) {
+  constexpr double kEqualSteps = 1e-10;  // steps of a grid differ by the rounding of times
+  const double length = std::abs(to - from);
+  if (std::abs(length - length_of_bows_) <= kEqualSteps * length) return false;
+  compute_bows(from, to);
+  length_of_bows_ = evenly_ ? length : kNan;
+  return true;
+}
+
+void DriveProgram::compute_bows(double from, double to) {
   const double h = to - from, part = h * h / 8;
   for (std::size_t i = 0; i < laws_; ++i) {
-    bows[i] = std::min(part * bend_[i].acceleration, bend_[i].reach) + part * std::abs(bend_[i].steady);
+    bows_[i] = std::min(part * bend_[i].acceleration, bend_[i].reach) + part * std::abs(bend_[i].steady);
   }
   for (const Other& o : uneven_) {
     const auto& polynomial = std::get<Law::Polynomial>(*o.part);
-    bows[idx(o.slot)] += part * most_acceleration(polynomial.coefficients, from, to) * scale_[idx(o.slot)];
+    bows_[idx(o.slot)] += part * most_acceleration(polynomial.coefficients, from, to) * scale_[idx(o.slot)];
   }
   for (Other& o : others_) {
     if (held_[idx(o.slot)] != 0) continue;
     double more = 0;
     if (const auto* spline = std::get_if<Law::Spline>(o.part)) more = bow(*spline, from, to);
     if (const auto* function = std::get_if<Law::Function>(o.part)) more = bow_of_function(*function, o, from, to);
-    bows[idx(o.slot)] += more * scale_[idx(o.slot)];
+    bows_[idx(o.slot)] += more * scale_[idx(o.slot)];
   }
 }
 

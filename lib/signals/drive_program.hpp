@@ -2,6 +2,7 @@
 // the result.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <memory>
@@ -15,6 +16,7 @@
 #include "program/mechanism_step.hpp"
 #include "scene/system.hpp"
 #include "signals/angle_kernels.hpp"
+#include "signals/angle_turns.hpp"
 
 namespace assur {
 
@@ -57,18 +59,30 @@ class DriveProgram {
   [[nodiscard]] double scale(std::int32_t slot) const { return scale_[static_cast<std::size_t>(slot)]; }
   // False if no law ever leaves its chord.
   [[nodiscard]] bool bends() const;
-  // True if the bows depend on the length of the step only.
-  [[nodiscard]] bool bends_evenly() const { return evenly_; }
-  // How far each law may leave its chord between two times, internal units (scene/law_bow.hpp). A function of the
-  // program is called once between them. The last evaluate() was for `to`. bows: laws(); those of held laws are
-  // meaningless
-  void bows(double from, double to, std::span<double> bows);
+  // Computes how far each law may leave its chord between two times, internal units (scene/law_bow.hpp). A function of
+  // the program is called once between them. The last evaluate() was for `to`. False if bows() are still those of the
+  // last step.
+  [[nodiscard]] bool renew_bows(double from, double to);
+  [[nodiscard]] std::span<const double> bows() const { return bows_; }  // laws(); those of held laws are meaningless
+  // For a law that was replaced: its bow on this step, SI units.
+  void set_bow(std::int32_t slot, double bow) {
+    bows_[static_cast<std::size_t>(slot)] = bow * scale(slot);
+    forget_bows();
+  }
+  void forget_bows() { length_of_bows_ = kNan; }
   // To be called when a step to the time of the last evaluate() is accepted.
   void accept() {
     for (Other& o : others_) o.from = o.to;
+    std::copy_n(jets_[0].begin(), angles_, accepted_angles_.begin());
   }
-  // Values of the laws that are angles, unwrapped.
+  // Values of the laws that are angles, unwrapped; at the last accepted step.
   [[nodiscard]] std::span<const double> angles() const { return {jets_[0].data(), angles_}; }
+  [[nodiscard]] const std::vector<double>& accepted_angles() const { return accepted_angles_; }
+  void accept(const std::vector<double>& angles) { accepted_angles_ = angles; }
+  // After renew_bows(): turn of the angles since these accepted ones, relative to the largest allowed turn of a step.
+  [[nodiscard]] double turned(const std::vector<double>& since, int together, int teeth) const {
+    return assur::turned(since, angles(), bows_, together, teeth);
+  }
   // Writes the driven coordinates. state[d]: d-th derivative, indexed by coordinate * stride.
   void place(double* const (&state)[3], std::size_t stride = 1) {
     find_sines();
@@ -127,6 +141,7 @@ class DriveProgram {
     double factor;
   };
   void turn();
+  void compute_bows(double from, double to);
   [[nodiscard]] LawOutline law_outline() const;
   [[nodiscard]] bool evaluate_by_code(double t);
   [[nodiscard]] static double bow_of_function(const Law::Function& law, Other& of, double from, double to);
@@ -159,9 +174,12 @@ class DriveProgram {
   std::vector<Polynomial> polynomials_;
   std::vector<double> coefficients_;
   std::vector<Other> others_;
-  std::vector<Bend> bend_;     // laws
-  std::vector<Other> uneven_;  // polynomials of degree 3 and more
-  bool evenly_ = true;         // bends_evenly()
+  std::vector<Bend> bend_;        // laws
+  std::vector<Other> uneven_;     // polynomials of degree 3 and more
+  bool evenly_ = true;            // the bows depend on the length of the step only
+  std::vector<double> bows_;      // laws
+  double length_of_bows_ = kNan;  // the step that they are for, if they depend on its length only
+  std::vector<double> accepted_angles_;
   std::vector<Copy> copies_;
   std::vector<std::int32_t> slot_of_;  // coordinates; -1: a sum
   std::vector<Turn> directions_, frames_;

@@ -107,9 +107,6 @@ void Inputs::add_control(std::string name, std::size_t input, int law) {
 void Inputs::compile(const Driven& driven) {
   program_ = DriveProgram(system_, driven);
   for (Control& c : controls_) c.slot = program_.slot(c.input, c.law);
-  accepted_angles_.assign(program_.angles().begin(), program_.angles().end());
-  bows_.assign(program_.laws(), 0.0);
-  length_of_bows_ = kNan;
   evaluated_ = driven.inputs;
 }
 
@@ -157,16 +154,12 @@ Status Inputs::why_undefined(double t) const {
   return {code, {}, t};
 }
 
-void Inputs::compute_bows(double from, double to) {
-  const double h = std::abs(to - from);
-  program_.bows(from, to, bows_);
-  length_of_bows_ = program_.bends_evenly() ? h : kNan;
+bool Inputs::renew_bows(double from, double to) {
+  if (!program_.renew_bows(from, to)) return false;
   for (const Control& c : controls_) {
-    if (c.slot < 0 || !c.set) continue;
-    bows_[static_cast<std::size_t>(c.slot)] =
-        bow_of_quintic(c.from, c.to, c.end - c.start, to - from) * program_.scale(c.slot);
-    length_of_bows_ = kNan;
+    if (c.slot >= 0 && c.set) program_.set_bow(c.slot, bow_of_quintic(c.from, c.to, c.end - c.start, to - from));
   }
+  return true;
 }
 
 void Inputs::lean(std::span<const double> rates, double* const (&state)[3]) {
@@ -247,7 +240,7 @@ void Inputs::begin_step(double now, double next) {
     c.pending = false;
     c.start = now;
     c.end = next;
-    length_of_bows_ = kNan;
+    program_.forget_bows();
   }
 }
 
@@ -302,7 +295,7 @@ void Inputs::take(const Controls& other) {
     controls_[i] = other[i];
     controls_[i].slot = slot;
   }
-  length_of_bows_ = kNan;
+  program_.forget_bows();
 }
 
 bool Inputs::ask_again_from_rest(double now) {

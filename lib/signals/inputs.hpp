@@ -56,6 +56,7 @@ class Inputs {
   void evaluate(double t);
   [[nodiscard]] Status place(double t, double* const (&state)[3]);
   [[nodiscard]] DriveProgram& program() { return program_; }
+  [[nodiscard]] const DriveProgram& program() const { return program_; }
 
   // From now on, drive() follows the second-order expansions of all laws and targets about time t, until follow().
   void expand_about(double t);
@@ -73,32 +74,13 @@ class Inputs {
   // The inputs of the system that are evaluated, ascending.
   [[nodiscard]] const std::vector<Index>& evaluated() const { return evaluated_; }
 
-  // Computes how far each law of the program may leave its chord on a step whose end drive() has reached, internal
-  // units. False if bows() are still those of the last step.
-  [[nodiscard]] bool renew_bows(double from, double to) {
-    const double h = std::abs(to - from);
-    if (std::abs(h - length_of_bows_) <= kEqualSteps * h) return false;
-    compute_bows(from, to);
-    return true;
-  }
-  [[nodiscard]] std::span<const double> bows() const { return bows_; }
+  // DriveProgram::renew_bows() with those of targets.
+  [[nodiscard]] bool renew_bows(double from, double to);
   // False if that is 0 for all laws and steps.
   [[nodiscard]] bool bends() const { return program_.bends() || !controls_.empty(); }
   [[nodiscard]] std::size_t laws() const { return program_.laws(); }
   // After drive(): sets the derivatives of the known coordinates by these rates of all laws, as state[1].
   void lean(std::span<const double> rates, double* const (&state)[3]);
-
-  // After renew_bows(): turn of the angles of drivers since accept(), relative to the largest allowed turn of a step.
-  [[nodiscard]] double turned(int together) const {
-    return assur::turned(accepted_angles_, program_.angles(), bows_, together, system_.teeth);
-  }
-  // Accepts the posture of the last drive().
-  void accept() {
-    std::copy(program_.angles().begin(), program_.angles().end(), accepted_angles_.begin());
-    program_.accept();
-  }
-  [[nodiscard]] const std::vector<double>& accepted_angles() const { return accepted_angles_; }
-  void accept(const std::vector<double>& angles) { accepted_angles_ = angles; }
 
   // The number of a controlled driver. Throws Error (input) for any other name.
   [[nodiscard]] std::size_t index(std::string_view driver) const;
@@ -152,17 +134,12 @@ class Inputs {
     return system_.inputs[c.input].laws[static_cast<std::size_t>(c.law)](t);
   }
   void compile(const Driven& driven);
-  static constexpr double kEqualSteps = 1e-10;  // steps of a grid differ by the rounding of times
-  void compute_bows(double from, double to);
   void follow_laws(double t);
 
   const System& system_;
   DriveProgram program_;
   double expanded_about_ = kNan;  // NaN: laws and targets are followed
   std::vector<Index> evaluated_;
-  std::vector<double> accepted_angles_;
-  std::vector<double> bows_;      // laws
-  double length_of_bows_ = kNan;  // the step that they are for, if they depend on its length only
   Controls controls_;
   std::size_t names_ = 0;
 };
