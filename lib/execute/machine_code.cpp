@@ -103,6 +103,8 @@ class Writer {
   }
 
  private:
+  using Point = Uses::Point;
+  static constexpr Point kNever = Uses::kNever;
   static constexpr std::uint32_t kFree = UINT32_MAX;  // no value, no register, no place on the stack
   static constexpr std::size_t kNoMemory = SIZE_MAX;
   static constexpr std::int32_t kVector = 64;

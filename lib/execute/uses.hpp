@@ -12,13 +12,13 @@
 
 namespace assur {
 
-// A place in a phase: 2 i is instruction i, and 2 i + 1 the stores behind it.
-using Point = std::uint32_t;
-inline constexpr Point kNever = UINT32_MAX;
-
 // The points where the values of a phase are used, and where its stores are written.
 class Uses {
  public:
+  // A place in a phase: 2 i is instruction i, and 2 i + 1 the stores behind it.
+  using Point = std::uint32_t;
+  static constexpr Point kNever = UINT32_MAX;
+
   explicit Uses(const Phase& phase)
       : of_(phase.code.size()),
         next_(phase.code.size()),
