@@ -14,7 +14,7 @@
 namespace assur {
 
 // No code is made for longer steps; 1,000 instructions take about 0.5 ms.
-inline constexpr std::size_t kMostInstructions = 12'000;
+inline constexpr std::size_t kMostInstructions = 16'000;
 
 // Null: there is no code. work: numbers in Memory::work
 struct CodeOfStep {
