@@ -188,23 +188,21 @@ class EvaluatorOf final : public Evaluator {
   }
 
   void subtract_bend(const Change& a, const Change& b, double times, double* bent, double* out) override {
-    const L factor = to_unit_size(a) * to_unit_size(b) * L::set(times) / L::set(4);
-    for (const double side : {1.0, -1.0}) {
-      const auto move = [&](const double* from, const double* by, std::int32_t count, double* to) {
-        for (std::int32_t i = 0; i < count; ++i) (reg(from, i) + L::set(side) * reg(by, i)).store(to + i * W);
-      };
-      move(a.unknowns, b.unknowns, p_.n, rate_);
-      move(a.inputs, b.inputs, p_.inputs, rate_ + p_.n * W);
-      for (const Program::Form& f : p_.forms) {
-        sum(f.unknowns, f.end, rate_, sum(f.moving, f.unknowns, rate_, L::set(0))).store(rate_ + f.reg * W);
+    set_change(a, rate_);
+    set_change(b, acceleration_);
+    for (std::size_t i = 0; i < p_.equations.size(); ++i) {
+      const Program::Equation& e = p_.equations[i];
+      L twice = L::set(0);
+      for (const Program::Product* q = at(p_.curvature, e.curvature.begin); q != at(p_.curvature, e.curvature.end);
+           ++q) {
+        twice.add_product(k(q->coefficient),
+                          reg(rate_, q->a) * reg(acceleration_, q->b) + reg(rate_, q->b) * reg(acceleration_, q->a));
       }
-      for (std::size_t i = 0; i < p_.equations.size(); ++i) curvature(p_.equations[i]).store(bent + i * W);
-      if (!callbacks_.empty()) callbacks_.curvature(k_, value_, rate_, bent);
-      for (std::size_t i = 0; i < p_.equations.size(); ++i) {
-        double* const of = out + i * W;
-        (L::load(of) + L::set(side) * L::load(bent + i * W) * factor).store(of);
-      }
+      L of = L::load(out + i * W);
+      of.subtract_product(L::set(times / 2), twice);
+      of.store(out + i * W);
     }
+    if (!callbacks_.empty()) subtract_bend_of_callbacks(a, b, times, bent, out);
   }
 
  private:
@@ -269,6 +267,37 @@ class EvaluatorOf final : public Evaluator {
       total.subtract_product(k(q->coefficient), reg(rate_, q->a) * reg(rate_, q->b));
     }
     return total;
+  }
+
+  void set_change(const Change& of, double* registers) const {
+    copy(of.unknowns, p_.n, registers);
+    copy(of.inputs, p_.inputs, registers + p_.n * W);
+    set_forms(registers);
+  }
+  // The forms of the unknowns and of the moving inputs.
+  void set_forms(double* registers) const {
+    for (const Program::Form& f : p_.forms) {
+      sum(f.unknowns, f.end, registers, sum(f.moving, f.unknowns, registers, L::set(0))).store(registers + f.reg * W);
+    }
+  }
+  // By the curvatures along a + b and a - b. Scales a and b to size 1 in every lane, because their squares may
+  // overflow. bent: one number for each equation
+  void subtract_bend_of_callbacks(const Change& a, const Change& b, double times, double* bent, double* out) {
+    const L factor = to_unit_size(a) * to_unit_size(b) * L::set(times) / L::set(4);
+    for (const double side : {1.0, -1.0}) {
+      const auto move = [&](const double* from, const double* by, std::int32_t count, double* to) {
+        for (std::int32_t i = 0; i < count; ++i) (reg(from, i) + L::set(side) * reg(by, i)).store(to + i * W);
+      };
+      move(a.unknowns, b.unknowns, p_.n, rate_);
+      move(a.inputs, b.inputs, p_.inputs, rate_ + p_.n * W);
+      set_forms(rate_);
+      for (std::size_t i = 0; i < p_.equations.size(); ++i) L::set(0).store(bent + i * W);
+      callbacks_.curvature(k_, value_, rate_, bent);
+      for (std::size_t i = 0; i < p_.equations.size(); ++i) {
+        double* const of = out + i * W;
+        (L::load(of) + L::set(side) * L::load(bent + i * W) * factor).store(of);
+      }
+    }
   }
 
   // Divides the numbers of each lane by the largest of them, and returns the divisors. Ignores NaN.

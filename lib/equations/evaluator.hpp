@@ -40,9 +40,8 @@ class Evaluator {
   struct Change {
     double *unknowns, *inputs;
   };
-  // out -= times * Phi''[a, b], at the posture of the last evaluate(), from the curvatures along a + b and a - b.
-  // Scales a and b to size 1 in every lane, because their squares may overflow. bent: one number for each equation,
-  // unspecified afterwards.
+  // out -= times * Phi''[a, b], at the posture of the last evaluate(). With callbacks, a and b are unspecified
+  // afterwards. bent: one number for each equation, unspecified afterwards
   virtual void subtract_bend(const Change& a, const Change& b, double times, double* bent, double* out) = 0;
 };
 
