@@ -32,7 +32,7 @@ Simulator::Simulator(Prepared prepared, StepLimits limits) {
   check_limits(limits);
   const double start = prepared.start_time.value_or(prepared.time.start);
   impl_ = std::make_unique<Impl>(std::make_shared<const Prepared>(std::move(prepared)), limits, start);
-  impl_->fresh = impl_->functions.empty();  // a function of the program may return something else the next time
+  impl_->fresh = impl_->functions.empty();
 }
 Simulator::Simulator(Simulator&&) noexcept = default;
 Simulator& Simulator::operator=(Simulator&&) noexcept = default;
@@ -184,6 +184,7 @@ void Simulator::reset() {
   } else {
     impl_->start(start, impl_->structure.start);
   }
+  impl_->fresh = impl_->functions.empty();
 }
 
 const std::vector<std::string>& Simulator::columns() const { return impl_->columns; }

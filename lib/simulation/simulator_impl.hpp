@@ -510,7 +510,8 @@ struct Simulator::Impl {
   std::vector<double> row;
   std::vector<double> divisors;  // of the measures
   bool in_one_piece = true;      // the posture was reached by a step that was not divided
-  // Nothing has happened since the constructor started here, and another start would do the same.
+  // Nothing has happened since the start, and another one would do the same. A function of the program may return
+  // something else the next time.
   bool fresh = false;
   // Starts of the last steps that were divided or failed: at a posture with in_one_piece, and at one without.
   std::unique_ptr<Snapshot> inside, divided;

@@ -222,7 +222,7 @@ TEST(Runs, RepeatBitwise) {
   }
 }
 
-// The constructor starts the motion, and a run does so again only if anything has happened since.
+// The constructor and reset() start the motion, and a run does so again only if anything has happened since.
 TEST(Runs, ANewSimulatorStartsOnce) {
   const Scene scene = sample("four_bar:loops=5,steps=20");
   const auto prepared = prepare(scene, {"auto", {scene.drivers().front().name}});
@@ -233,6 +233,12 @@ TEST(Runs, ANewSimulatorStartsOnce) {
   EXPECT_EQ(test::allocations(), before);
   untouched.reset();  // makes its solvers anew
   EXPECT_GT(test::allocations(), before);
+  Simulator returned(prepared);
+  (void)returned.run();
+  returned.reset();
+  const std::int64_t afterwards = test::allocations();
+  returned.reset();
+  EXPECT_EQ(test::allocations(), afterwards);
   const std::function<void(Simulator&)> touches[] = {
       [](Simulator& s) { (void)s.step(0.01); },
       [](Simulator& s) { (void)s.step(); },
@@ -246,9 +252,12 @@ TEST(Runs, ANewSimulatorStartsOnce) {
   };
   for (const auto& touch : touches) {
     Simulator s(prepared);
-    touch(s);
-    EXPECT_EQ(s.run().values(), expected.values());
-    EXPECT_EQ(s.report().counters.steps, 20);
+    for (const bool is_returned : {false, true}) {
+      if (is_returned) s.reset();
+      touch(s);
+      EXPECT_EQ(s.run().values(), expected.values());
+      EXPECT_EQ(s.report().counters.steps, 20);
+    }
   }
 }
 
