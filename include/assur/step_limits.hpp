@@ -15,8 +15,8 @@ struct StepLimits {
   int most_iterations = 12;  // a step is halved if a group needs more; at least 1; for groups whose number is not fixed
   // s, time limit of a call of step(), also within run(), which then uses no chunks: Code::deadline; 0: none. All work
   // of the call shares it: both tries, the choice of other redundant equations, the search for the time of a limit, and
-  // the estimates of errors. Checked before each pack; where one call solves all groups (+together, and machine code for
-  // the whole step of a small mechanism), before it.
+  // the estimates of errors. Checked before each pack; where one call solves all groups (+together, and machine code
+  // for the whole step of a small mechanism), before it.
   double seconds = 0;
   // Processors to pin threads to (Machine::cores), one for each of the P threads (RunSettings::threads); without effect
   // if P = 1. The calling thread is pinned during a call only. Pinned threads busy-wait within a step, so use dedicated

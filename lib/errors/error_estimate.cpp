@@ -6,9 +6,9 @@
 
 #include "errors/angle_output.hpp"
 #include "errors/law_rounding.hpp"
-#include "program/step_rules.hpp"
 #include "index.hpp"
 #include "numbers.hpp"
+#include "program/step_rules.hpp"
 #include "scene/outputs.hpp"
 #include "signals/random_sign.hpp"
 

@@ -13,11 +13,11 @@
 
 #include "assur/simulator.hpp"
 #include "errors/error_estimate.hpp"
-#include "program/step_rules.hpp"
 #include "index.hpp"
 #include "numbers.hpp"
 #include "path/continuation.hpp"
 #include "path/function_check.hpp"
+#include "program/step_rules.hpp"
 #include "scene/outputs.hpp"
 #include "signals/angle_turns.hpp"
 #include "signals/columns.hpp"
@@ -427,9 +427,7 @@ struct Simulator::Impl {
   }
 
   // Chooses another set before the current one is close to being dependent.
-  std::unique_ptr<Impl> reselected_if_poor() {
-    return motion.set_is_poor() ? reselected() : nullptr;
-  }
+  std::unique_ptr<Impl> reselected_if_poor() { return motion.set_is_poor() ? reselected() : nullptr; }
 
   // ---- results
 

@@ -33,9 +33,10 @@ TEST(Noise, TheWorstFigureDecidesAndAllAreReported) {
   EXPECT_EQ(judge(noise).quiet, Quiet::some_noise);
   EXPECT_EQ(judge(noise).reason, "times scatter by 3 %");
   noise.uneven = 0.3;
-  EXPECT_EQ(judge(noise).reason,
-            "one core was slower than another in 30 % of the measurements with several threads, which were repeated; times "
-            "scatter by 3 %");
+  EXPECT_EQ(
+      judge(noise).reason,
+      "one core was slower than another in 30 % of the measurements with several threads, which were repeated; times "
+      "scatter by 3 %");
   noise.uneven = 0;
   noise.stolen = 0.2;
   EXPECT_EQ(judge(noise).quiet, Quiet::noisy);

@@ -503,9 +503,10 @@ TEST(Modes, RefusesGroupsThatItCannotCompute) {
   EXPECT_EQ(message([&] { (void)assembly_modes(sample("gough"), "B1"); }),
             "the modes of group B1+u+v+w cannot be computed: it has 12 unknowns; at most 6 can be computed");
   const Scene geared = read_scene(ASSUR_SOURCE_DIR "/scenes/geared_five_bar.json");
-  EXPECT_EQ(message([&] { (void)assembly_modes(geared, "D"); }),
-            "the modes of group D cannot be computed: it has the equation 'gears' of a function or a gear, which is not "
-            "a polynomial");
+  EXPECT_EQ(
+      message([&] { (void)assembly_modes(geared, "D"); }),
+      "the modes of group D cannot be computed: it has the equation 'gears' of a function or a gear, which is not "
+      "a polynomial");
   const AssemblyModes other = assembly_modes(geared, "C");
   EXPECT_EQ(other.modes.size(), 2u);
 }

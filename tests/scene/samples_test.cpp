@@ -101,7 +101,8 @@ TEST(SampleText, OptionsOfAFileAreItsParameters) {
 TEST(SampleText, RefusesUnknownSamples) {
   const std::string all =
       "almost_parallelogram, andrews, bennett, bricard, bricard_joints, delta, double_wishbone, excavator, four_bar, "
-      "geared_five_bar, goldberg, gough, hexa, hexapod, jansen, klann, n_four_bar, parallelograms, peaucellier, rings, sarrus, "
+      "geared_five_bar, goldberg, gough, hexa, hexapod, jansen, klann, n_four_bar, parallelograms, peaucellier, rings, "
+      "sarrus, "
       "scissor, slider_crank, stewart, three_rps, watt, whitworth or whitworth_joints";
   EXPECT_EQ(message("stwart:legs=8"), "there is no sample 'stwart'; did you mean 'stewart'? It should be " + all);
   EXPECT_EQ(message("bicycle"), "there is no sample 'bicycle'; it should be " + all);

@@ -60,7 +60,8 @@ TEST(Tape, RepeatsAComputationBitByBit) {
       for (std::size_t l = 0; l < lanes; ++l) {
         const std::vector<double> again = computed(points[l][0], points[l][1]);
         ASSERT_EQ(replay.holds(l), points[l][0] < points[l][1]);  // the recorded comparison had this outcome
-        for (std::size_t i = 0; i < wanted.size() && replay.holds(l); ++i) EXPECT_EQ(replay.wanted(i)[l], again[i]) << i;
+        for (std::size_t i = 0; i < wanted.size() && replay.holds(l); ++i)
+          EXPECT_EQ(replay.wanted(i)[l], again[i]) << i;
       }
     }
   }
@@ -90,13 +91,15 @@ TEST(Tape, RecordsNothingWhilePaused) {
 
 // An expression of a scene gives the same bits with parameters as constants and as variables.
 TEST(Tape, RepeatsExpressions) {
-  const char* const texts[] = {"a+b*2", "2*pi/3-a", "a^2+b^3", "sqrt(a^2+b^2-2*a*b*cos(0.3))", "a*0.5+b*0.25-1",
-                               "sin(a)*(b-1)/3", "atan2(a,b)", "a>1 ? a : b", "-a/b*b", "3*a*2"};
+  const char* const texts[] = {"a+b*2",          "2*pi/3-a",       "a^2+b^3",    "sqrt(a^2+b^2-2*a*b*cos(0.3))",
+                               "a*0.5+b*0.25-1", "sin(a)*(b-1)/3", "atan2(a,b)", "a>1 ? a : b",
+                               "-a/b*b",         "3*a*2"};
   std::mt19937_64 random(9);
   for (const char* text : texts) {
     Formula formula(text, {"a", "b"});
     for (int round = 0; round < 50; ++round) {
-      const double a = 2 * static_cast<double>(random() >> 11) * 0x1p-53, b = 1 + static_cast<double>(random() >> 11) * 0x1p-53;
+      const double a = 2 * static_cast<double>(random() >> 11) * 0x1p-53,
+                   b = 1 + static_cast<double>(random() >> 11) * 0x1p-53;
       Expressions expressions;
       ASSERT_TRUE(expressions.define({{"a", a}, {"b", b}}).empty());
       const double values[] = {a, b};

@@ -8,8 +8,8 @@
 
 namespace assur::test {
 
-// The value of the variable ASSUR_RANDOM_SCENES; without it `usual`, and a quarter of it with sanitizers, which multiply
-// the time of a test.
+// The value of the variable ASSUR_RANDOM_SCENES; without it `usual`, and a quarter of it with sanitizers, which
+// multiply the time of a test.
 inline int random_count(int usual) {
   const char* const wanted = std::getenv("ASSUR_RANDOM_SCENES");
   if (wanted != nullptr) return std::max(std::atoi(wanted), 1);
