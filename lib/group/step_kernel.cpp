@@ -75,7 +75,7 @@ class StepKernel final : public SmallStep {
     group_.begin(in, s);
     while (!less_equal(s.active, L::set(0)).all()) group_.iterate(in, s);
     typename Group::Figures of_step;
-    L rate[N], acceleration[N];
+    L rate[N] = {}, acceleration[N] = {};
     group_.template finish<true>(in, derivatives_, reads_, s, rate, acceleration, of_step);
     if (derivatives_ > 0) store(rate, state[1] + pack.unknowns);
     if (derivatives_ > 1) store(acceleration, state[2] + pack.unknowns);
