@@ -114,7 +114,8 @@ class SmallGroup {
   }
 
   // Velocity and acceleration, as far as `derivatives` says. Makes State::failed 0 or 1; where it is 1, or where
-  // solutions are rough, State::x is the prediction again. reads: coordinates of the branch test, as registers.
+  // solutions are rough, State::x is the prediction again. kRefine: refines rough solutions. reads: coordinates of the
+  // branch test, as registers.
   template <bool kRefine, class Source>
   HWY_INLINE void finish(const Source& in, int derivatives, std::span<const std::int32_t> reads, State& s, Column& rate,
                          Column& acceleration, Figures& figures) {

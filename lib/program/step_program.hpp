@@ -128,7 +128,7 @@ struct Instruction {
 };
 
 // Instructions in order, then stores. Loads see the memory before the stores of their phase, which must not store what
-// it loads by another reach.
+// it loads by another reach, nor a number by two slots.
 struct Phase {
   struct Store {
     Slot to;
