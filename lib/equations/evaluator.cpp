@@ -25,14 +25,15 @@ class EvaluatorOf final : public Evaluator {
   EvaluatorOf(const System& system, const Program& program)
       : p_(program),
         callbacks_(system, program, W),
-        memory_(7 * static_cast<std::size_t>(program.registers) * W),
+        memory_(8 * static_cast<std::size_t>(program.registers) * W),
         value_(memory_.data()),
         base_(value_ + program.registers * W),
         base_magnitude_(base_ + program.registers * W),
         input_rate_(base_magnitude_ + program.registers * W),
         rate_(input_rate_ + program.registers * W),
         acceleration_(rate_ + program.registers * W),
-        magnitude_(acceleration_ + program.registers * W) {
+        magnitude_(acceleration_ + program.registers * W),
+        change_(magnitude_ + program.registers * W) {
     L::set(1).store(value_ + p_.one() * W);
   }
 
@@ -189,14 +190,14 @@ class EvaluatorOf final : public Evaluator {
 
   void subtract_bend(const Change& a, const Change& b, double times, double* bent, double* out) override {
     set_change(a, rate_);
-    set_change(b, acceleration_);
+    set_change(b, change_);
     for (std::size_t i = 0; i < p_.equations.size(); ++i) {
       const Program::Equation& e = p_.equations[i];
       L twice = L::set(0);
       for (const Program::Product* q = at(p_.curvature, e.curvature.begin); q != at(p_.curvature, e.curvature.end);
            ++q) {
         twice.add_product(k(q->coefficient),
-                          reg(rate_, q->a) * reg(acceleration_, q->b) + reg(rate_, q->b) * reg(acceleration_, q->a));
+                          reg(rate_, q->a) * reg(change_, q->b) + reg(rate_, q->b) * reg(change_, q->a));
       }
       L of = L::load(out + i * W);
       of.subtract_product(L::set(times / 2), twice);
@@ -334,7 +335,7 @@ class EvaluatorOf final : public Evaluator {
   CallbackRows callbacks_;
   LaneArray memory_;
   // registers x W; base: contribution of constants and inputs to a form
-  double *value_, *base_, *base_magnitude_, *input_rate_, *rate_, *acceleration_, *magnitude_;
+  double *value_, *base_, *base_magnitude_, *input_rate_, *rate_, *acceleration_, *magnitude_, *change_;
   const double* k_ = nullptr;  // coefficients of the current pack
 };
 

@@ -237,6 +237,7 @@ class Pack {
     evaluator_->velocity_rhs(gather(group_.inputs, &Lane::rate).data(), velocity.data());
     evaluator_->acceleration_rhs(gather(group_.unknowns, &Lane::rate).data(),
                                  gather(group_.inputs, &Lane::acceleration).data(), acceleration.data());
+    const std::vector<double> bend = bend_of_motion(velocity, acceleration);
     for (std::size_t l = 0; l < w_; ++l) {
       const Lane& lane = lanes_[l];
       std::vector<double> reach = absolute(lane.q);
@@ -269,11 +270,40 @@ class Pack {
         }
         EXPECT_NEAR(j_rate - velocity[i * w_ + l], static_cast<double>(first), 64 * kEps * moving) << what;
         EXPECT_NEAR(j_acceleration - acceleration[i * w_ + l], static_cast<double>(second), 64 * kEps * moving) << what;
+        const double expected = static_cast<double>((curvature(lane, e, 1) - curvature(lane, e, -1)) / 4);
+        EXPECT_NEAR(bend[i * w_ + l], expected, 64 * kEps * moving) << what;
       }
     }
   }
 
  private:
+  // Phi''[q', q'']; velocity and acceleration: right-hand sides, which must stay the same.
+  [[nodiscard]] std::vector<double> bend_of_motion(const std::vector<double>& velocity,
+                                                   const std::vector<double>& acceleration) {
+    std::vector<double> a = gather(group_.unknowns, &Lane::rate), of_inputs = gather(group_.inputs, &Lane::rate);
+    std::vector<double> b = gather(group_.unknowns, &Lane::acceleration);
+    std::vector<double> b_of_inputs = gather(group_.inputs, &Lane::acceleration);
+    std::vector<double> bent(velocity.size()), out(velocity.size()), again(velocity.size());
+    evaluator_->subtract_bend({a.data(), of_inputs.data()}, {b.data(), b_of_inputs.data()}, -1, bent.data(),
+                              out.data());
+    evaluator_->velocity_rhs(gather(group_.inputs, &Lane::rate).data(), again.data());
+    EXPECT_EQ(again, velocity);
+    evaluator_->acceleration_rhs(gather(group_.unknowns, &Lane::rate).data(),
+                                 gather(group_.inputs, &Lane::acceleration).data(), again.data());
+    EXPECT_EQ(again, acceleration);
+    return out;
+  }
+  // Along q' + side q''.
+  static Quad curvature(const Lane& lane, Index equation, int side) {
+    const auto f = [&](int s) {
+      std::vector<Quad> q;
+      for (std::size_t c = 0; c < lane.q.size(); ++c) {
+        q.push_back(Quad(lane.q[c]) + s * (Quad(lane.rate[c]) + side * Quad(lane.acceleration[c])));
+      }
+      return residual<Quad>(lane.system, equation, q);
+    };
+    return f(1) + f(-1) - 2 * f(0);
+  }
   [[nodiscard]] bool moves(Index coordinate) const {
     if (std::find(group_.unknowns.begin(), group_.unknowns.end(), coordinate) != group_.unknowns.end()) return true;
     const auto input = std::find(group_.inputs.begin(), group_.inputs.end(), coordinate);

@@ -60,6 +60,13 @@ TEST(ProgramCallback, IsEvaluatedInSiUnitsInEveryLane) {
       std::vector<double> none(inputs.size(), 0);
       evaluator->velocity_rhs(none.data(), rhs.data());
       evaluator->acceleration_rhs(rates.data(), none.data(), rhs.data());
+      // Phi''[a, a] is the curvature along a, and changes nothing that follows.
+      std::vector<double> a = rates, b = rates, of_inputs = none, bent(2 * w), bend(2 * w), again(2 * w);
+      evaluator->subtract_bend({a.data(), of_inputs.data()}, {b.data(), of_inputs.data()}, 1, bent.data(), bend.data());
+      for (std::size_t i = 0; i < 2 * w; ++i) EXPECT_NEAR(bend[i], rhs[i], 16 * kEps * std::abs(rhs[i]));
+      evaluator->velocity_rhs(none.data(), again.data());
+      evaluator->acceleration_rhs(rates.data(), none.data(), again.data());
+      EXPECT_EQ(again, rhs);
       std::size_t row = 0;
       while (c.equations[row].callback < 0) ++row;
       for (std::size_t l = 0; l < w; ++l) {
