@@ -10,6 +10,7 @@
 
 #include "assur/ensemble.hpp"
 #include "assur/simulator.hpp"
+#include "numbers.hpp"
 #include "program/group_step.hpp"
 #include "scene/shipped_files.hpp"
 #include "simulation/random_count.hpp"
@@ -95,6 +96,30 @@ TEST(SameBits, EveryShippedMechanism) {
   int small = 0;
   for (const auto& file : test::shipped_files()) small += expect_same_bits(shortened(read_scene(file))) ? 1 : 0;
   EXPECT_GT(small, 10);
+}
+
+// In one class, tripods with legs that are almost parallel, whose linear solutions are refined, and others.
+TEST(SameBits, WhereSomeLanesAreRefined) {
+  SceneBuilder b("tripods", 3);
+  int number = 0;
+  for (const double apart : {0.5, 1e-2, 0.3, 2e-3}) {
+    const std::string k = std::to_string(++number);
+    const double x = 3.0 * number;
+    b.fixed_point("P" + k, {x + apart, 0, 0}).fixed_point("Q" + k, {x, apart, 0}).point("C" + k, {x, 0, 0});
+    b.point("T" + k, {x + 0.3, 0.2, 1});
+    b.drive("x" + k, DrivenCoordinate{"C" + k + ".x", Law::harmonics({{0.1 * apart, 3, 0}}, x)});
+    b.drive("y" + k, DrivenCoordinate{"C" + k + ".y", Law::harmonics({{0.1 * apart, 2, 0}})});
+    b.drive("z" + k, DrivenCoordinate{"C" + k + ".z", Law::harmonics({{0.1 * apart, 1, 0}})});
+    for (const std::string of : {"P", "Q", "C"}) b.constrain("leg" + of + k, Distance{of + k, "T" + k, std::nullopt});
+  }
+  const Scene scene = b.time(0, 0.2, 0.001).build();
+  EXPECT_TRUE(expect_same_bits(scene));
+  const Outcome lanes = run(scene, "lanes:4", true), eigen = run(scene, "eigen", false);
+  for (const double residual : {lanes.report.error.velocity, lanes.report.error.acceleration}) {
+    EXPECT_LE(residual, 8 * kEps);
+    EXPECT_GT(residual, 2 * kEps);  // some solutions were close to the bound, so others were above
+  }
+  EXPECT_LE(test::difference(lanes.rows, eigen.rows), 1e-8);
 }
 
 // Also without instructions for fused products.
