@@ -143,14 +143,6 @@ struct Lanes {
     return out;
   }
   friend HWY_INLINE HWY_ATTR bool all_at_most(const Lanes& a, const Lanes& b) { return less_equal(a, b).all(); }
-  friend HWY_INLINE HWY_ATTR Mask positive(const Lanes& test) { return less(set(0), test); }
-  friend HWY_INLINE HWY_ATTR void swap_if(const Mask& mask, Lanes& a, Lanes& b) {
-    for (int i = 0; i < kVectors; ++i) {
-      const V first = a.v[i];
-      a.v[i] = hn::IfThenElse(mask.m[i], b.v[i], first);
-      b.v[i] = hn::IfThenElse(mask.m[i], first, b.v[i]);
-    }
-  }
   // Numbers in memory, one of each lane; first 0.
   template <std::size_t n>
   class Fixed {

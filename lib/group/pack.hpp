@@ -65,9 +65,7 @@ struct Pack {
   // Restores the pack to its state before the attempt, except for the pivot orders of `solver`.
   void undo(std::int64_t attempt) {
     if (kept.use_of == attempt) std::copy(kept.ball_used.begin(), kept.ball_used.end(), ball_used.begin());
-    if (kept.anchor_of == attempt) {
-      restore_anchor(kept);
-    }
+    if (kept.anchor_of == attempt) restore_anchor(kept);
     if (kept.factors_of == attempt) factored = false;
     kept.use_of = kept.anchor_of = kept.factors_of = 0;
   }

@@ -44,12 +44,6 @@ struct Value {
    private:
     std::vector<Value> values_;
   };
-
-  // Rows are swapped where this is positive.
-  struct Mask;
-};
-struct Value::Mask {
-  Value if_positive;
 };
 
 // The result of an operation, folded if its operands are constants. It is left out if it adds 0 or multiplies by 0 or
@@ -99,16 +93,9 @@ class Graph {
 [[nodiscard]] inline Value if_at_most(const Value& a, const Value& b, const Value& yes, const Value& no) {
   return make(Op::select, a, b, yes, no);
 }
-// That is not known.
+// False: only a run knows.
 [[nodiscard]] inline bool all_at_most(const Value&, const Value&) { return false; }
 inline void Value::add_product(const Value& a, const Value& b) { *this = make(Op::fma, a, b, *this); }
 inline void Value::subtract_product(const Value& a, const Value& b) { *this = make(Op::fnma, a, b, *this); }
-
-[[nodiscard]] inline Value::Mask positive(const Value& test) { return {test}; }
-inline void swap_if(const Value::Mask& mask, Value& a, Value& b) {
-  const Value first = a, zero = Value::set(0);
-  a = if_at_most(mask.if_positive, zero, first, b);
-  b = if_at_most(mask.if_positive, zero, b, first);
-}
 
 }  // namespace assur

@@ -1,6 +1,6 @@
-// Inverses of matrices of order 2 and 3 side by side, by cofactors. For the smallest systems they take half the time of
-// elimination: there is one division instead of one after the other, and no order of rows. Included once for each
-// target, inside its HWY_NAMESPACE (see Highway, "foreach_target.h").
+// Inverses of matrices of order 2 and 3 side by side, by cofactors: with one division instead of one after the other,
+// and without an order of rows for each lane, as elimination would need. Included once for each target, inside its
+// HWY_NAMESPACE (see Highway, "foreach_target.h").
 #if defined(ASSUR_SMALL_INVERSE_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef ASSUR_SMALL_INVERSE_INL
 #undef ASSUR_SMALL_INVERSE_INL
