@@ -158,6 +158,7 @@ struct Lanes {
     explicit Array(std::size_t size) : numbers_(size * W) {}
     HWY_INLINE Lanes operator[](std::size_t i) const { return load(numbers_.data() + i * W); }
     HWY_INLINE void set(std::size_t i, const Lanes& v) { v.store(numbers_.data() + i * W); }
+    [[nodiscard]] const double* data() const { return numbers_.data(); }
 
    private:
     LaneArray numbers_;

@@ -34,7 +34,7 @@ HWY_INLINE void renew_anchors(Io& io, int derivatives, std::span<const std::int3
   equations.set_inputs(io);
   for (int j = 0; j < N; ++j) x[j] = io.load(Memory::unknowns, idx(j));
   equations.evaluate(io, x, u, phi);
-  for (int i = 0; i < N; ++i) scale[i] = equations.scale_of(io, i, x, u);
+  equations.scale(io, x, u, scale);
   equations.differentiate(io, u, jacobian);
   const L poor = inverse.invert(jacobian);
   L of_lipschitz[N], of_scale[N];

@@ -66,7 +66,7 @@ class DistanceEquations {
     for (const Separable::Known& t : separable.known) known_[t.equation] = t.coefficient;
   }
 
-  // kMeasure: also the magnitudes, for scale_of().
+  // kMeasure: also the magnitudes, for scale().
   template <bool kMeasure = true, class Source>
   HWY_INLINE void set_inputs(const Source& in) {
     for (std::int32_t i = 0; i < inputs_; ++i) numbers_[0].set(idx(i), in.input(0, i));
@@ -111,10 +111,12 @@ class DistanceEquations {
     }
   }
   template <class Source>
-  HWY_INLINE L scale_of(const Source& in, int i, const Column& x, const Values& u) const {
-    L total = abs(u[i][0]) * (magnitude_[idx(i * N)] + abs(x[0]));
-    for (int j = 1; j < N; ++j) total.add_product(abs(u[i][j]), magnitude_[idx(i * N + j)] + abs(x[j]));
-    return total + total + abs(in.coefficient(known_[i]));
+  HWY_INLINE void scale(const Source& in, const Column& x, const Values& u, Column& out) const {
+    for (int i = 0; i < N; ++i) {
+      L total = abs(u[i][0]) * (magnitude_[idx(i * N)] + abs(x[0]));
+      for (int j = 1; j < N; ++j) total.add_product(abs(u[i][j]), magnitude_[idx(i * N + j)] + abs(x[j]));
+      out[i] = total + total + abs(in.coefficient(known_[i]));
+    }
   }
   template <class Source>
   HWY_INLINE void velocity_rhs(const Source&, const Column&, const Values& u, Column& rhs) const {

@@ -54,7 +54,7 @@ class SeparableEquations {
     }
   }
 
-  // kMeasure: also the magnitudes, for scale_of().
+  // kMeasure: also the magnitudes, for scale().
   template <bool kMeasure = true, class Source>
   HWY_INLINE void set_inputs(const Source& in) {
     for (std::int32_t i = 0; i < p_.inputs; ++i) set(kValue, N + i, in.input(0, i));
@@ -105,15 +105,16 @@ class SeparableEquations {
   }
   // sum_j |dPhi_i/dq_j| |q_j| + |constant|, over unknowns and inputs.
   template <class Source>
-  HWY_INLINE L scale_of(const Source& in, int i, const Column& x, const Values& u) const {
-    L total = known_magnitude_[idx(i)];
-    for (int j = 0; j < N; ++j) {
-      L size = get(kMagnitude, square(i, j).b);
-      size.add_product(abs(in.coefficient(square(i, j).a)), abs(x[j]));
-      total.add_product(abs(twice_s(in, i, j) * u[i][j]), size);
-      total.add_product(linear_magnitude_[idx(i * N + j)], abs(x[j]));
+  HWY_INLINE void scale(const Source& in, const Column& x, const Values& u, Column& out) const {
+    for (int i = 0; i < N; ++i) {
+      out[i] = known_magnitude_[idx(i)];
+      for (int j = 0; j < N; ++j) {
+        L size = get(kMagnitude, square(i, j).b);
+        size.add_product(abs(in.coefficient(square(i, j).a)), abs(x[j]));
+        out[i].add_product(abs(twice_s(in, i, j) * u[i][j]), size);
+        out[i].add_product(linear_magnitude_[idx(i * N + j)], abs(x[j]));
+      }
     }
-    return total;
   }
 
   // -Phi_h h': -(g_i' + sum_j 2 s u_ij b_ij' + l_ij' x_j)

@@ -63,11 +63,10 @@ class SmallGroup {
     for (int j = 0; j < N; ++j) s.x[j] = in.unknown(j);
     typename Equations::Values u;
     equations_.evaluate(in, s.x, u, s.phi);
-    for (int i = 0; i < N; ++i) {
-      const L scale = equations_.scale_of(in, i, s.x, u), one = L::set(1);
-      s.weight[i] = one / if_at_most(scale, L::set(0), one, scale);
-    }
-    Column ratio;
+    const L one = L::set(1);
+    Column scale, ratio;
+    equations_.scale(in, s.x, u, scale);
+    for (int i = 0; i < N; ++i) s.weight[i] = one / if_at_most(scale[i], L::set(0), one, scale[i]);
     Tests::multiply(s.phi, s.weight, ratio);
     s.relative = Tests::largest_of(ratio);
     s.active = Tests::is_open(ratio, in.setting(GroupSetting::converged_at));

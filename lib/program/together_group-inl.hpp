@@ -120,10 +120,9 @@ class TogetherGroup {
     evaluate<kBegin>(io, at);
     Column weight, ratio;
     if constexpr (kBegin) {
-      for (int i = 0; i < N; ++i) {
-        const L scale = s_.scale_of(io, i, at.x, at.u);
-        weight[i] = one / if_at_most(scale, zero, one, scale);
-      }
+      Column scale;
+      s_.scale(io, at.x, at.u, scale);
+      for (int i = 0; i < N; ++i) weight[i] = one / if_at_most(scale[i], zero, one, scale[i]);
       store(io, Memory::work, weight, kWeights);
     } else {
       load(io, Memory::work, weight, kWeights);
