@@ -44,6 +44,12 @@ class LanesSolver final : public LinearSolver {
   Effort effort() const override { return effort_; }
   std::unique_ptr<LinearSolver> clone() const override;
 
+  // See elimination_of(). Null: there is none.
+  [[nodiscard]] const std::shared_ptr<const Elimination>* elimination() const {
+    return all_served_ && precision_ == Precision::binary64 ? &factors_->program() : nullptr;
+  }
+  void count(std::int64_t factorizations) { count_ += factorizations; }
+
  private:
   // reserves: memory for pivots that are chosen later
   void prepare(std::shared_ptr<const Pattern> pattern, int lanes, bool reserves);
@@ -280,6 +286,20 @@ Figures LanesSolver::figures(int lane) const {
 }
 
 }  // namespace
+
+std::shared_ptr<const Elimination> elimination_of(const LinearSolver& solver) {
+  const auto* const of = dynamic_cast<const LanesSolver*>(&solver);
+  return of != nullptr && of->elimination() != nullptr ? *of->elimination() : nullptr;
+}
+
+bool eliminates_by(const LinearSolver& solver, const Elimination* elimination) {
+  const auto* const of = dynamic_cast<const LanesSolver*>(&solver);
+  return of != nullptr && of->elimination() != nullptr && of->elimination()->get() == elimination;
+}
+
+void count_factorizations(LinearSolver& solver, std::int64_t factorizations) {
+  if (auto* const of = dynamic_cast<LanesSolver*>(&solver)) of->count(factorizations);
+}
 
 std::string why_not(const Shape& shape, ThreadBudget budget) {
   if (budget.threads > 1) return "it runs on one thread";

@@ -96,8 +96,9 @@ std::pmr::vector<Number> last_need(const Factors& f, std::span<const std::int32_
   return need;
 }
 
-// Elimination objects that choose_pivots() tries while others are held: the present one, the best, and the next.
-constexpr std::size_t kTried = 3;
+// Elimination objects that choose_pivots() tries while others are held: the present one, the best, the next, and that of
+// the program of a step.
+constexpr std::size_t kTried = 4;
 
 // Temporary memory for n unknowns: full rows with their values, three times the positions of their entries, and the
 // products of an entry; with room for the objects that hold them.

@@ -44,6 +44,7 @@ struct Elimination {
   std::vector<Number> pivot_slot, upper_slot, forward_row, backward_row;
   Number square_slot = 0;  // slot of the sum of squares of row 0 of A; those of the next rows follow
 
+  friend bool operator==(const Elimination&, const Elimination&) = default;
   [[nodiscard]] Number lower_count(std::size_t row) const { return forward[forward_row[row] + 1]; }
   [[nodiscard]] Number upper_count(std::size_t row) const { return backward[backward_row[row] + 2]; }
 };
@@ -51,6 +52,14 @@ struct Elimination {
 // Writes the list for a complete pivot order. Takes memory from `memory`, and for the list if it has not enough.
 void write_program(const Pattern& pattern, const Order& order, std::pmr::memory_resource* memory, Elimination& into);
 [[nodiscard]] Elimination write_program(const Pattern& pattern, const Order& order);
+
+// The list of a solver of the backend `lanes` in double whose pivots serve every lane; else null. The program of a step
+// may eliminate by it.
+[[nodiscard]] std::shared_ptr<const Elimination> elimination_of(const LinearSolver& solver);
+// True if that list is this one.
+[[nodiscard]] bool eliminates_by(const LinearSolver& solver, const Elimination* elimination);
+// Counts factorisations that a program made instead of such a solver, whose next new pivots depend on their number.
+void count_factorizations(LinearSolver& solver, std::int64_t factorizations);
 
 // Memory of a solver that chooses pivots.
 class PivotMemory {

@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "program/class_step.hpp"
 #include "program/group_step.hpp"
 
 namespace assur {
@@ -50,6 +51,15 @@ class SharedCode final : public StepCode {
       return CodeOfStep{make(step.program, lanes), step.work};
     });
   }
+  std::shared_ptr<const Executor> of(const GroupClass& group_class, const Program& equations,
+                                     const lanes::Elimination& elimination, std::span<const std::int32_t> reads,
+                                     int lanes) override {
+    const std::lock_guard lock(mutex_);
+    return of_classes_.of({group_class, elimination}, lanes, [&]() -> std::shared_ptr<const Executor> {
+      const StepProgram program = class_step(group_class, equations, elimination, reads, kMostInstructions);
+      return program.phases.empty() ? nullptr : make(program, lanes);
+    });
+  }
   std::shared_ptr<const Executor> of(const StepProgram& program, int lanes) override {
     const std::lock_guard lock(mutex_);
     return of_programs_.of(program, lanes, [&] { return make(program, lanes); });
@@ -65,6 +75,7 @@ class SharedCode final : public StepCode {
   VectorCode vectors_;
   std::mutex mutex_;
   Recent<GroupClass, CodeOfStep> of_groups_;
+  Recent<std::pair<GroupClass, lanes::Elimination>, std::shared_ptr<const Executor>> of_classes_;
   Recent<StepProgram, std::shared_ptr<const Executor>> of_programs_;
 };
 

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "assur/structure.hpp"
+#include "backends/lanes_elimination.hpp"
 #include "equations/program.hpp"
 #include "execute/executor.hpp"
 
@@ -33,6 +34,10 @@ class StepCode {
   // asked for since. Several threads may call it at once.
   [[nodiscard]] virtual CodeOfStep of(const GroupClass& group_class, const Program& equations,
                                       std::span<const std::int32_t> reads, int lanes) = 0;
+  // The code of class_step(), likewise.
+  [[nodiscard]] virtual std::shared_ptr<const Executor> of(const GroupClass& group_class, const Program& equations,
+                                                           const lanes::Elimination& elimination,
+                                                           std::span<const std::int32_t> reads, int lanes) = 0;
   // The code of any other program, likewise. Null if it is too long, or if there is no code.
   [[nodiscard]] virtual std::shared_ptr<const Executor> of(const StepProgram& program, int lanes) = 0;
 };

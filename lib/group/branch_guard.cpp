@@ -119,19 +119,35 @@ void BranchGuard::move_anchor(Pack& pack, const double* const (&state)[3], std::
   }
 }
 
+bool BranchGuard::is_near(const Pack& pack, std::int32_t b, int lane) const {
+  const std::size_t at = idx(b * work_.lanes + lane);
+  const double largest = work_.correction[at];
+  return largest == 0 || pack.omega[at] * largest <= largest_first_correction(pack.ball_used[at]);
+}
+
+bool BranchGuard::is_near(const Pack& pack) const {
+  for (std::int32_t b = 0; b < work_.program.blocks; ++b) {
+    for (int l = 0; l < pack.used; ++l) {
+      if (!is_near(pack, b, l)) return false;
+    }
+  }
+  return true;
+}
+
 // If omega |first correction| <= 1/4 of the rest of the ball, the iteration converges to the one solution nearby. If
 // not, a box around the prediction, whose equations the workspace holds, must contain exactly one solution.
 Status BranchGuard::check_first_correction(const Pack& pack) {
   for (std::int32_t b = 0; b < work_.program.blocks; ++b) {
-    const double* used = pack.ball_used.data() + b * work_.lanes;
-    const double *omega = pack.omega.data() + b * work_.lanes, *largest = work_.correction.data() + b * work_.lanes;
     for (int l = 0; l < pack.used; ++l) {
-      if (largest[l] == 0 || omega[l] * largest[l] <= largest_first_correction(used[l])) continue;
+      if (is_near(pack, b, l)) continue;
       work_.evaluator->scale(work_.scale.data());
       const bool one = blocks_.invert(b, l, work_.jacobian.data()) &&
                        blocks_.holds_one_solution(b, l, work_.jacobian.data(), work_.jacobian.data(), work_.phi.data(),
                                                   work_.scale.data(), pack.coefficients.data());
-      if (!one) return pack.failed(Code::branch_unknown, omega[l] * largest[l] / (1 - used[l]), l);
+      const std::size_t at = idx(b * work_.lanes + l);
+      if (!one) {
+        return pack.failed(Code::branch_unknown, pack.omega[at] * work_.correction[at] / (1 - pack.ball_used[at]), l);
+      }
     }
   }
   return {};

@@ -21,6 +21,8 @@ class BranchGuard {
   [[nodiscard]] BlockConditions& blocks() { return blocks_; }
   [[nodiscard]] const BlockConditions& blocks() const { return blocks_; }
 
+  // True if Newton's first correction, in the workspace, is so small that its test needs nothing else.
+  [[nodiscard]] bool is_near(const Pack& pack) const;
   // Tests Newton's first correction: ok if the iteration converges to the one solution nearby. To be called while phi
   // and the Jacobian of the workspace belong to the prediction.
   [[nodiscard]] Status check_first_correction(const Pack& pack);
@@ -34,6 +36,7 @@ class BranchGuard {
   [[nodiscard]] static bool stays_inside(double used, double& before);
 
  private:
+  [[nodiscard]] bool is_near(const Pack& pack, std::int32_t block, int lane) const;
   void use_ball(const Pack& pack, const double* x, std::int32_t block);
   [[nodiscard]] Status check_tubes(const Pack& pack, double* const (&state)[3], std::int32_t block,
                                    const Attempt& attempt);

@@ -1,4 +1,4 @@
-// The ordinary step of a small group as a program (program/group_step.hpp) that an executor runs.
+// The ordinary step of a group as a program (program/group_step.hpp, program/class_step.hpp) that an executor runs.
 #include <algorithm>
 #include <array>
 #include <memory>
@@ -7,6 +7,7 @@
 #include "group/pack_memory.hpp"
 #include "group/small_step.hpp"
 #include "index.hpp"
+#include "program/class_step.hpp"
 #include "program/group_step.hpp"
 #include "program/step_rules.hpp"
 
@@ -28,7 +29,7 @@ class CodedStep final : public SmallStep {
   [[nodiscard]] double*& at(Memory m) { return memory_[static_cast<std::size_t>(m)]; }
 
   const Workspace& work_;
-  std::shared_ptr<const Executor> code_, anchors_;
+  std::shared_ptr<const Executor> code_, anchors_;  // null: of a class step
   std::array<LaneArray, 3> inputs_;  // [d]: d-th derivatives of the inputs, inputs x W
   std::array<double, kGroupSettings> settings_{};
   LaneArray values_, figures_;  // memory of the code, rows x W
@@ -65,7 +66,7 @@ bool CodedStep::run(const Pack& pack, double* const (&state)[3], int most_iterat
   settings_[slot_of(GroupSetting::most_iterations).index] = most_iterations;
   point_to(pack, memory_.data());
   point_to_unknowns(pack, state, memory_.data());
-  code_->run(memory_);
+  (code_ ? code_ : pack.machine_code)->run(memory_);
   double of_all[kGroupFigures];
   const double* largest = figures_.data();
   if (work_.lanes > 1) {
@@ -75,6 +76,10 @@ bool CodedStep::run(const Pack& pack, double* const (&state)[3], int most_iterat
   const auto figure = [&](GroupFigure f) { return largest[static_cast<std::size_t>(f)]; };
   figures.failed = row(GroupFigure::failed);
   if (figure(GroupFigure::failed) > 0) return false;
+  if (!code_) {
+    figures.weights = values_.data();
+    figures.first_correction = values_.data() + values_.size() - idx(work_.lanes);
+  }
   figures.iterations = row(GroupFigure::iterations);
   figures.position = std::max(figures.position, figure(GroupFigure::position));
   if (derivatives > 0) figures.velocity = std::max(figures.velocity, figure(GroupFigure::velocity));
@@ -86,6 +91,7 @@ bool CodedStep::run(const Pack& pack, double* const (&state)[3], int most_iterat
 }
 
 const double* CodedStep::renew_anchors(Pack&, double* const (&)[3], double time) {
+  if (!anchors_) return row(GroupFigure::needs_anchor);
   settings_[slot_of(GroupSetting::time).index] = time;
   anchors_->run(memory_);
   return row(GroupFigure::failed);
@@ -106,6 +112,10 @@ std::unique_ptr<SmallStep> make_coded_step(const Workspace& work, const BlockCon
   auto anchors = code.of(anchor_program(work.group_class, work.program, blocks.reads(0)), work.lanes);
   if (!of_step.executor || !anchors) return nullptr;
   return std::make_unique<CodedStep>(work, std::move(of_step), std::move(anchors));
+}
+
+std::unique_ptr<SmallStep> make_class_step(const Workspace& work) {
+  return std::make_unique<CodedStep>(work, CodeOfStep{nullptr, work_of_class_step(work.group_class)}, nullptr);
 }
 
 }  // namespace assur

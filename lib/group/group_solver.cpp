@@ -7,6 +7,7 @@
 #include "backends/small_steps.hpp"
 #include "index.hpp"
 #include "numbers.hpp"
+#include "program/class_step.hpp"
 #include "scene/residual_scale.hpp"
 
 namespace assur {
@@ -25,13 +26,18 @@ GroupSolver::GroupSolver(const System& system, const Structure& structure, std::
       probe_(system, work_, solver_, guard_.blocks()) {
   if (has_small_steps(choice.solver)) small_step_ = make_small_step(work_, guard_.blocks());
   is_kept_.resize(idx(work_.lanes));
+  predicted_.resize(work_.size());
   if (!small_step_) return;
   for (LaneArray& of : kept_) of.resize(work_.size());
-  predicted_.resize(work_.size());
   omega_.resize(idx(work_.lanes));
 }
 
 void GroupSolver::use(StepCode& code) {
+  if (has_small_steps(solver_.settings()) && has_class_step(work_.group_class)) {
+    code_ = &code;
+    class_step_ = make_class_step(work_);
+    most_.resize(idx(work_.lanes));
+  }
   if (!small_step_) return;
   auto coded = make_coded_step(work_, guard_.blocks(), code);
   is_coded_ = coded != nullptr;
@@ -66,6 +72,7 @@ Status GroupSolver::solve(Pack& pack, double* const (&state)[3], const Attempt& 
   std::fill(is_kept_.begin(), is_kept_.end(), std::uint8_t{0});
   if (Status s; small_step_ && small_step(pack, state, attempt, counters, errors, s)) return s;
   solver_.choose(pack);
+  if (Status s; class_step(pack, state, attempt, counters, errors, s)) return s;
   pack.kept.factors_of = attempt.number;
   work_.set_inputs(pack, state[0]);
   double* const x = state[0] + pack.unknowns;
@@ -78,6 +85,7 @@ Status GroupSolver::solve(Pack& pack, double* const (&state)[3], const Attempt& 
     if (small_step_) solve_in_lanes(pack, state, attempt, found);
   }
   errors.merge(found);
+  if (attempt.branch == Attempt::Branch::start) find_code(pack);
   return searches ? Status{} : guard_.check(pack, state, attempt, counters);
 }
 
@@ -145,6 +153,53 @@ bool GroupSolver::small_step(Pack& pack, double* const (&state)[3], const Attemp
   return true;
 }
 
+bool GroupSolver::class_step(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters,
+                             StepErrors& errors, Status& status) {
+  const bool is_wanted = attempt.branch == Attempt::Branch::inside && serves(attempt) &&
+                         !(attempt.all_rates && work_.group_class.first_wanted > 0);
+  if (!is_wanted || !pack.machine_code || !lanes::eliminates_by(*solver_.at_hand(), pack.eliminates.get())) return false;
+  double* const x = state[0] + pack.unknowns;
+  std::copy_n(x, predicted_.size(), predicted_.begin());
+  SmallStepFigures figures{errors.position, errors.velocity, errors.acceleration};
+  if (!class_step_->run(pack, state, attempt.most_iterations, attempt.converged, figures) ||
+      !is_near(pack, state[0], figures.first_correction)) {
+    std::copy(predicted_.begin(), predicted_.end(), x);
+    return false;
+  }
+  // The general path iterates and counts all lanes together.
+  const double most = *std::max_element(figures.iterations, figures.iterations + pack.used);
+  std::fill(most_.begin(), most_.end(), most);
+  figures.iterations = most_.data();
+  solver_.begin_step();
+  lanes::count_factorizations(*solver_.at_hand(),
+                              static_cast<std::int64_t>(most) + (work_.group_class.derivatives > 0 ? 1 : 0));
+  status = finish_small_step(pack, state, attempt, figures, *class_step_, counters, errors);
+  return true;
+}
+
+// True if Newton's first correction, from predicted_, leads to the solution of the branch.
+bool GroupSolver::is_near(const Pack& pack, const double* state, const double* first_correction) {
+  std::copy_n(first_correction, work_.lanes, work_.correction.begin());
+  if (guard_.is_near(pack)) return true;
+  work_.set_inputs(pack, state);
+  work_.evaluate(predicted_.data());
+  return guard_.check_first_correction(pack).ok();
+}
+
+// At the start, when the solver has chosen its pivots.
+void GroupSolver::find_code(Pack& pack) {
+  if (code_ == nullptr) return;
+  auto elimination = lanes::elimination_of(*solver_.at_hand());
+  if (pack.machine_code && elimination && *elimination == *pack.eliminates) {
+    pack.eliminates = std::move(elimination);
+    return;
+  }
+  pack.machine_code = elimination ? code_->of(work_.group_class, work_.program, *elimination, guard_.blocks().reads(0),
+                                      work_.lanes)
+                          : nullptr;
+  pack.eliminates = std::move(elimination);
+}
+
 void GroupSolver::count_small_step(const Pack& pack, const double* of_lanes, Counters& counters) const {
   double sum = 0, most = 0;
   for (std::int32_t l = 0; l < pack.used; ++l) {
@@ -160,7 +215,7 @@ void GroupSolver::count_small_step(const Pack& pack, const double* of_lanes, Cou
   counters.evaluated_equations += n * (iterations + used);
   counters.factorizations += factorizations;
   counters.factorized_unknowns += n * factorizations;
-  counters.solved_unknowns += n * (iterations + used * derivatives);
+  counters.solved_unknowns += n * (iterations + used * derivatives) - used * work_.group_class.first_wanted;
 }
 
 Status GroupSolver::finish_small_step(Pack& pack, double* const (&state)[3], const Attempt& attempt,
@@ -168,7 +223,8 @@ Status GroupSolver::finish_small_step(Pack& pack, double* const (&state)[3], con
                                       StepErrors& errors) {
   count_small_step(pack, figures.iterations, counters);
   const bool is_measured = figures.position > std::max(errors.position, kConverged);
-  errors.position = is_measured ? std::max(errors.position, step_.residual_of(pack, state[0])) : figures.position;
+  errors.position = !is_measured ? figures.position
+                                 : std::max(errors.position, step_.residual_of(pack, state[0], figures.weights));
   errors.velocity = figures.velocity;
   errors.acceleration = figures.acceleration;
   pack.keep_use(attempt.number);

@@ -27,9 +27,9 @@ class GroupSolver {
   // Throws Error (environment) if the backend cannot run here.
   GroupSolver(const System& system, const Structure& structure, std::int32_t group_class, const Plan::Choice& choice,
               std::span<const Backend> table);
-  // Takes small steps by machine code, if there is some for them, with the same bits.
+  // Takes ordinary steps by machine code, if there is some for them, with the same bits.
   void use(StepCode& code);
-  [[nodiscard]] bool is_coded() const { return is_coded_; }
+  [[nodiscard]] bool is_coded(const Pack& pack) const { return is_coded_ || pack.machine_code != nullptr; }
 
   [[nodiscard]] int lanes() const { return work_.lanes; }
   [[nodiscard]] const GroupClass& group_class() const { return work_.group_class; }
@@ -96,6 +96,11 @@ class GroupSolver {
   [[nodiscard]] bool serves(const Attempt& attempt) const {
     return attempt.iterations == 0 && (!attempt.all_rates || work_.group_class.derivatives > 0);
   }
+  // Tries the step by Pack::machine_code; false if it does not apply, or if a lane fails.
+  [[nodiscard]] bool class_step(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters,
+                                StepErrors& errors, Status& status);
+  [[nodiscard]] bool is_near(const Pack& pack, const double* state, const double* first_correction);
+  void find_code(Pack& pack);
   void count_small_step(const Pack& pack, const double* iterations, Counters& counters) const;
   void solve_in_lanes(Pack& pack, double* const (&state)[3], const Attempt& attempt, StepErrors& errors);
   void keep(const Pack& pack, double* const (&state)[3]);
@@ -109,9 +114,11 @@ class GroupSolver {
   std::unique_ptr<SmallStep> small_step_;  // null if the class or the strategy allows none
   std::array<LaneArray, 3> kept_;          // [d]: derivatives of the unknowns, n x W
   bool is_coded_ = false;
+  std::unique_ptr<SmallStep> class_step_;  // null if the class or the strategy allows none
+  StepCode* code_ = nullptr;               // makes Pack::machine_code
   std::vector<std::uint8_t> is_kept_;  // W: lanes whose results are kept_
   LaneArray predicted_;                // unknowns before the step, n x W
-  LaneArray omega_;                    // W
+  LaneArray omega_, most_;             // W: see solve_in_lanes() and class_step()
 };
 
 }  // namespace assur

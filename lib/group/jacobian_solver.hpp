@@ -32,6 +32,7 @@ class JacobianSolver {
   void restart(bool alike = true);
   // Makes the solver of a pack, or the solver that all packs share, the current one.
   void choose(Pack& pack);
+  [[nodiscard]] const SolverSettings& settings() const { return settings_; }
   [[nodiscard]] LinearSolver* at_hand() { return solver_; }  // the current solver; null before choose()
 
   // Extra work of the solver that all packs share, and refinements of all packs.

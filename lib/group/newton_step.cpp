@@ -52,11 +52,15 @@ bool NewtonStep::close(double converged, bool rounds) {
   return any;
 }
 
-double NewtonStep::residual_of(const Pack& pack, const double* state) {
+double NewtonStep::residual_of(const Pack& pack, const double* state, const double* weights) {
   work_.set_inputs(pack, state);
   work_.evaluator->evaluate(state + pack.unknowns, work_.phi.data(), nullptr);
-  work_.evaluator->scale(inverse_scale_.data());
-  work_.kernels.invert_scale(inverse_scale_.data(), work_.program.n);
+  if (weights != nullptr) {
+    std::copy_n(weights, inverse_scale_.size(), inverse_scale_.begin());
+  } else {
+    work_.evaluator->scale(inverse_scale_.data());
+    work_.kernels.invert_scale(inverse_scale_.data(), work_.program.n);
+  }
   std::fill(open_.begin(), open_.end(), std::uint8_t{1});
   raise(open_);
   return largest_open();

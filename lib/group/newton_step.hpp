@@ -29,8 +29,9 @@ class NewtonStep {
   [[nodiscard]] Status derivatives(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters,
                                    StepErrors& errors);
 
-  // The relative residual of a posture.
-  [[nodiscard]] double residual_of(const Pack& pack, const double* state);
+  // The relative residual of a posture. weights: n x W, reciprocal scales of the equations that position() would use;
+  // null: those of the posture.
+  [[nodiscard]] double residual_of(const Pack& pack, const double* state, const double* weights = nullptr);
 
  private:
   using Factors = JacobianSolver::Factors;

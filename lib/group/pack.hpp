@@ -9,8 +9,10 @@
 #include <vector>
 
 #include "assur/backend.hpp"
+#include "backends/lanes_elimination.hpp"
 #include "equations/lane_array.hpp"
 #include "equations/program.hpp"
+#include "execute/executor.hpp"
 #include "group/pack_kernels.hpp"
 
 namespace assur {
@@ -43,6 +45,9 @@ struct Pack {
   std::unique_ptr<LinearSolver> solver;  // own solver; null: the packs of the class share one
   std::unique_ptr<LinearSolver> pivots;  // own solvers are clones of it; null: of that of the first pack of the class
   bool factored = false;                 // +reuse=run: `solver` holds factors of an earlier posture
+  // Machine code of class_step() as long as `solver` eliminates in this way; null: there is none.
+  std::shared_ptr<const Executor> machine_code;
+  std::shared_ptr<const lanes::Elimination> eliminates;
 
   // A status about the group in a lane.
   [[nodiscard]] Status failed(Code code, double figure, std::int32_t lane) const {

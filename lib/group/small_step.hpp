@@ -19,7 +19,9 @@ struct SmallStepFigures {
   double position = 0, velocity = 0, acceleration = 0;
   const double *iterations = nullptr, *ball_used = nullptr, *needs_anchor = nullptr;  // W
   const double* failed = nullptr;  // W: 0, or 1 where the general path must solve the step
-  bool balls_last = true;          // no lane needs another anchor before its next step
+  // Of a class step: reciprocal scales of the equations, n x W, and the largest entry of the first correction, W.
+  const double *weights = nullptr, *first_correction = nullptr;
+  bool balls_last = true;           // no lane needs another anchor before its next step
 };
 
 // What makes new anchors after a step.
@@ -50,5 +52,8 @@ class SmallStep : public AnchorStep {
 // By machine code, for a class that has a group_step(). Null if there is none.
 [[nodiscard]] std::unique_ptr<SmallStep> make_coded_step(const Workspace& work, const BlockConditions& blocks,
                                                          StepCode& code);
+// Runs Pack::machine_code of a class that has a class_step(). Where a lane fails, all lanes must be solved again. The test
+// of the first correction and new anchors are left to the general path.
+[[nodiscard]] std::unique_ptr<SmallStep> make_class_step(const Workspace& work);
 
 }  // namespace assur

@@ -100,7 +100,7 @@ std::string Continuation::machine_code() const {
   if (whole_) return vectors + ", one call for all";
   std::size_t coded = together_ ? together_->coded_groups() : 0;
   for (const Pack& pack : packs_) {
-    if (!together_ && layout_.solvers[idx(pack.group_class)]->is_coded()) coded += pack.groups.size();
+    if (!together_ && layout_.solvers[idx(pack.group_class)]->is_coded(pack)) coded += pack.groups.size();
   }
   if (coded == 0) return "";
   return vectors + ", " + std::to_string(coded) + " of " + std::to_string(structure_.groups.size()) + " groups";

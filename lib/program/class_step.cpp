@@ -1,0 +1,358 @@
+#include "program/class_step.hpp"
+
+#include <cstddef>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "backends/lanes_factors.hpp"
+#include "equations/quadratic_equations-inl.hpp"
+#include "index.hpp"
+#include "program/graph.hpp"
+#include "program/group_slots.hpp"
+#include "program/group_tests-inl.hpp"
+#include "program/step_rules.hpp"
+
+namespace assur {
+namespace {
+
+using Values = std::vector<Value>;
+using Tests = HWY_NAMESPACE::GroupTests<Value, 1>;
+
+const Value kNone = Value::set(0), kAll = Value::set(1);
+
+// 1 where a <= b, else 0, also for NaN.
+Value at_most(const Value& a, const Value& b) { return if_at_most(a, b, kAll, kNone); }
+Value exceeds(const Value& a, const Value& b) { return if_at_most(a, b, kNone, kAll); }
+
+// The largest size of the numbers; NaN if one of them, or their sum, is not finite.
+Value largest_of(const Values& numbers) {
+  Value largest = kNone, sum = kNone;
+  for (const Value& x : numbers) {
+    largest = max(abs(x), largest);
+    sum = sum + x;
+  }
+  return largest + (sum - sum);
+}
+
+// The loops of the backend `lanes` (backends/lanes_kernels.cpp), written out.
+class Linear {
+ public:
+  Linear(const Pattern& pattern, const lanes::Elimination& elimination)
+      : pattern_(pattern), p_(elimination), slots_(elimination.slots) {}
+
+  // Returns a positive number where growth or a pivot exceeds its limit.
+  [[nodiscard]] Value factorize(const Values& matrix) {
+    const lanes::Limits limits = lanes::limits(pattern_.n, Precision::binary64);
+    const auto square = [](double x) { return Value::set(x * x); };
+    const Value shrink = square(1 / limits.growth), pivot = square(limits.pivot), smallest = square(limits.smallest);
+    Value failed = kNone, largest_u = kAll;
+    const Number* op = p_.factor.data();
+    std::size_t l = 0;
+    for (Number row = 0; row < p_.n; ++row) {
+      const Number left = op[0], right = op[1];
+      std::size_t u = op[2];
+      op += 3;
+      Value of_a = kNone, of_l = kNone, of_u = kNone;  // squares
+      for (Number k = 0; k < left; ++k) {
+        slots_[l] = entry(op, matrix, of_a);
+        of_l.add_product(slots_[l], slots_[l]);
+        ++l;
+      }
+      const Value diagonal = entry(op, matrix, of_a), r = kAll / diagonal;
+      slots_[l++] = r;
+      for (Number k = 0; k < right; ++k) {
+        const Value e = entry(op, matrix, of_a);
+        slots_[u++] = e * r;
+        of_u.add_product(e, e);
+      }
+      const Value of_d = diagonal * diagonal, of_row = (of_l + of_d) + of_u;
+      Value least = smallest;
+      least.add_product(of_a, pivot);
+      failed = failed + exceeds((of_row * shrink) * largest_u, of_a) + exceeds(least, of_d);
+      largest_u = max(largest_u, (of_u * r) * r);
+    }
+    return failed;
+  }
+
+  // Unknowns before first_wanted are unspecified.
+  [[nodiscard]] Values solve(const Values& b, int first_wanted = 0) const {
+    Values y(p_.n), x(p_.n);
+    std::size_t factor = 0;
+    const Number* op = p_.forward.data();
+    for (Number row = 0; row < p_.n; ++row) {
+      Value sum = b[op[0]];
+      const Number left = op[1];
+      op += 2;
+      for (Number k = 0; k < left; ++k) sum.subtract_product(slots_[factor++], y[*op++]);
+      y[row] = sum * slots_[factor++];
+    }
+    op = p_.backward.data();
+    for (Number rows = p_.wanted_rows[idx(first_wanted)]; rows != 0; --rows) {
+      const Number at = op[0], unknown = op[1], right = op[2];
+      op += 3;
+      for (Number k = 0; k < right; ++k) y[at].subtract_product(slots_[factor++], y[*op++]);
+      x[unknown] = y[at];
+    }
+    return x;
+  }
+
+  // |b - A x| / (|A| |x| + |b|) in maximum norms, as PackKernels::residual.
+  [[nodiscard]] Value residual(const Values& matrix, const Values& x, const Values& b) const {
+    Values rest = b, row_sums(b.size());
+    for (std::int32_t c = 0; c < pattern_.n; ++c) {
+      for (std::int32_t k = pattern_.column_start[idx(c)]; k < pattern_.column_start[idx(c) + 1]; ++k) {
+        const std::size_t r = idx(pattern_.row[idx(k)]);
+        rest[r].subtract_product(matrix[idx(k)], x[idx(c)]);
+        row_sums[r] = row_sums[r] + abs(matrix[idx(k)]);
+      }
+    }
+    Value norm = kNone, norm_x = kNone, size = kNone;
+    for (std::size_t i = 0; i < b.size(); ++i) {
+      norm = max(row_sums[i], norm);
+      norm_x = max(abs(x[i]), norm_x);
+      size = max(abs(b[i]), size);
+    }
+    size.add_product(norm, norm_x);
+    return largest_of(rest) / if_at_most(size, kNone, kAll, size);
+  }
+
+ private:
+  using Number = lanes::Elimination::Number;
+
+  [[nodiscard]] Value entry(const Number*& op, const Values& matrix, Value& square_of_a) const {
+    Value a = kNone;
+    if (*op != lanes::Elimination::kZero) {
+      a = matrix[*op];
+      square_of_a.add_product(a, a);
+    }
+    Number products = op[1];
+    op += 2;
+    for (; products != 0; --products, op += 2) a.subtract_product(slots_[op[0]], slots_[op[1]]);
+    return a;
+  }
+
+  const Pattern& pattern_;
+  const lanes::Elimination& p_;
+  Values slots_;
+};
+
+class Writer {
+ public:
+  Writer(const GroupClass& group_class, const Program& equations, const lanes::Elimination& elimination,
+         std::span<const std::int32_t> reads)
+      : class_(group_class), p_(equations), reads_(reads), n_(idx(equations.n)), linear_(p_.pattern, elimination) {}
+
+  [[nodiscard]] StepProgram write(std::size_t most) {
+    StepProgram out;
+    std::size_t instructions = 0;
+    const auto add = [&](std::optional<Slot> repeat_while) {
+      out.phases.push_back(graph_.phase());
+      out.phases.back().repeat_while = repeat_while;
+      instructions += out.phases.back().code.size();
+      graph_ = {};
+    };
+    begin();
+    add({});
+    // A phase of iterations is about as long as the first one without its end.
+    if (instructions > most) return {};
+    iterate();
+    add(work(kActive));
+    finish_late();
+    add(work(kIsOpen));
+    if (instructions > most) return {};
+    return out;
+  }
+
+ private:
+  // Places in Memory::work: reciprocal scales, unknowns, then numbers of the lane.
+  enum Number : std::uint32_t { kActive, kFailed, kRelative, kIsOpen, kFirst };
+  struct State {
+    Values x, weight;
+    Value relative, active, failed, iterations;  // as in SmallGroup
+  };
+  using Equations = HWY_NAMESPACE::QuadraticEquations<Value>;
+
+  [[nodiscard]] GroupSlots slots() { return {graph_, p_, std::uint16_t{0}}; }
+  [[nodiscard]] static Slot slot(Memory memory, std::size_t i) { return {memory, static_cast<std::uint32_t>(i)}; }
+  [[nodiscard]] Slot work(Number n) const { return slot(Memory::work, 2 * n_ + n); }
+  [[nodiscard]] Value setting(GroupSetting s) { return slots().setting(s); }
+  [[nodiscard]] auto coefficients() {
+    return [this](std::int32_t k) { return slots().coefficient(k); };
+  }
+  // Derivatives of inputs that do not move are zero.
+  [[nodiscard]] auto inputs(int derivative) {
+    return [this, derivative](std::int32_t i) {
+      return derivative == 0 || class_.input_moves[idx(i)] != 0 ? slots().input(derivative, i) : kNone;
+    };
+  }
+  static auto into(Values& out) {
+    return [&out](std::size_t i, const Value& number) { out[i] = number; };
+  }
+
+  // Equations and Jacobian at x.
+  void evaluate(Equations& equations, const Values& x, Values& phi, Values& jacobian) {
+    for (std::size_t j = 0; j < n_; ++j) equations.values().set(j, x[j]);
+    phi.resize(n_);
+    jacobian.resize(idx(p_.pattern.nnz()));
+    equations.evaluate(coefficients(), into(phi));
+    equations.differentiate(coefficients(), into(jacobian));
+  }
+  [[nodiscard]] Value relative(const Values& phi, const Values& weight) const {
+    Values ratio(n_);
+    for (std::size_t i = 0; i < n_; ++i) ratio[i] = phi[i] * weight[i];
+    return largest_of(ratio);
+  }
+
+  // One correction at a posture that was evaluated, in lanes that are active. Leaves equations and Jacobian of the next
+  // posture.
+  void correct(Equations& equations, State& s, Values& phi, Values& jacobian, bool is_first) {
+    s.failed = s.failed + linear_.factorize(jacobian);
+    const Values by = linear_.solve(phi);
+    if (!is_first) s.failed = s.failed + exceeds(linear_.residual(jacobian, by, phi), Value::set(kPivotsGrew));
+    const Value size = largest_of(by), largest = if_at_most(s.active, kNone, kNone, size);
+    s.failed = s.failed + (largest - largest);
+    if (is_first) graph_.store(work(kFirst), largest);
+    for (std::size_t j = 0; j < n_; ++j) s.x[j] = if_at_most(s.active, kNone, s.x[j], s.x[j] - by[j]);
+    evaluate(equations, s.x, phi, jacobian);
+    const Value before = std::exchange(s.relative, relative(phi, s.weight));
+    s.failed = s.failed + (s.relative - s.relative);
+    s.iterations = s.iterations + s.active;
+    const Value solved = at_most(s.relative, setting(GroupSetting::converged_at));
+    const Value is_rounding = at_most(s.relative, Value::set(kRoundingLevel)) *
+                              exceeds(s.relative, Value::set(0.25) * before);
+    s.active = if_at_most(solved + is_rounding, kNone, s.active, kNone);
+    const Value is_last = at_most(setting(GroupSetting::most_iterations), s.iterations);
+    s.failed = s.failed + s.active * is_last;
+    s.active = if_at_most(s.failed, kNone, s.active, kNone);
+  }
+
+  void begin() {
+    Equations equations(p_);
+    equations.set_inputs(coefficients(), inputs(0));
+    State s{Values(n_), Values(n_), {}, {}, kNone, kNone};
+    for (std::size_t j = 0; j < n_; ++j) s.x[j] = graph_.load(slot(Memory::unknowns, j));
+    Values phi, jacobian;
+    evaluate(equations, s.x, phi, jacobian);
+    equations.scale(coefficients(), [&](std::size_t i, const Value& scale) {
+      s.weight[i] = kAll / if_at_most(scale, kNone, kAll, scale);
+      graph_.store(slot(Memory::work, i), s.weight[i]);
+    });
+    s.relative = relative(phi, s.weight);
+    s.failed = s.relative - s.relative;
+    s.active = exceeds(s.relative, setting(GroupSetting::converged_at));
+    correct(equations, s, phi, jacobian, true);
+    keep(s);
+    graph_.store(work(kIsOpen), s.active);
+    finish(equations, s, jacobian);
+  }
+
+  void iterate() {
+    Equations equations(p_);
+    equations.set_inputs(coefficients(), inputs(0));
+    State s = recall();
+    Values phi, jacobian;
+    evaluate(equations, s.x, phi, jacobian);
+    // If nearly all terms of an equation vanish, its residual is measured against a larger scale from now on.
+    const Value slow = Value::set(kSlowIterations);
+    const Value raises = s.active * at_most(slow, s.iterations) * at_most(s.iterations, slow);
+    equations.least_scale(coefficients(), [&](std::size_t i, const Value& least) {
+      const Value raised = if_at_most(least, kNone, s.weight[i], kAll / least);
+      const Value smaller = if_at_most(s.weight[i], raised, s.weight[i], raised);
+      s.weight[i] = if_at_most(raises, kNone, s.weight[i], smaller);
+      graph_.store(slot(Memory::work, i), s.weight[i]);
+    });
+    s.relative = relative(phi, s.weight);
+    const Value solved = raises * at_most(s.relative, setting(GroupSetting::converged_at));
+    s.active = if_at_most(solved, kNone, s.active, kNone);
+    correct(equations, s, phi, jacobian, false);
+    keep(s);
+  }
+
+  void finish_late() {
+    Equations equations(p_);
+    equations.set_inputs(coefficients(), inputs(0));
+    const State s = recall();
+    Values phi, jacobian;
+    evaluate(equations, s.x, phi, jacobian);
+    graph_.store(work(kIsOpen), kNone);
+    finish(equations, s, jacobian);
+  }
+
+  // Velocity and acceleration with the Jacobian of the solved posture, and the branch test.
+  void finish(Equations& equations, const State& s, const Values& jacobian) {
+    Value failed = s.failed + s.active;
+    Value residuals[] = {Value::set(-1), Value::set(-1)};  // not computed
+    const int derivatives = class_.derivatives;
+    if (derivatives > 0) failed = failed + linear_.factorize(jacobian);
+    Values rhs(n_), rate;
+    for (int d = 1; d <= derivatives; ++d) {
+      if (d == 1) {
+        equations.velocity_rhs(coefficients(), inputs(1), into(rhs));
+      } else {
+        for (std::size_t j = 0; j < n_; ++j) equations.rates().set(j, rate[j]);
+        equations.acceleration_rhs(coefficients(), inputs(2), into(rhs));
+      }
+      const std::size_t first = d == derivatives ? idx(class_.first_wanted) : 0;
+      const Values x = linear_.solve(rhs, static_cast<int>(first));
+      for (std::size_t j = 0; j < n_; ++j) {
+        graph_.store(slot(d == 1 ? Memory::rates : Memory::accelerations, j), j < first ? kNone : x[j]);
+      }
+      if (d == 1) rate = x;
+      if (first > 0) continue;
+      Value& residual = residuals[d - 1];
+      residual = linear_.residual(jacobian, x, rhs);
+      failed = failed + exceeds(residual, Value::set(kPivotsGrew));
+    }
+    const GroupSlots in = slots();
+    const Value used = Tests::ball_use(in, reads_.size(), [&](std::size_t k) {
+      return idx(reads_[k]) < n_ ? s.x[idx(reads_[k])] : equations.value(reads_[k]);
+    });
+    failed = failed + (used - used);
+    const auto tell = [&](GroupFigure f, const Value& value) { graph_.store(slot_of(f), value); };
+    for (std::size_t j = 0; j < n_; ++j) graph_.store(slot(Memory::unknowns, j), s.x[j]);
+    tell(GroupFigure::failed, if_at_most(failed, kNone, kNone, kAll));
+    tell(GroupFigure::position, s.relative);
+    tell(GroupFigure::velocity, residuals[0]);
+    tell(GroupFigure::acceleration, residuals[1]);
+    tell(GroupFigure::ball_used, used);
+    tell(GroupFigure::needs_anchor, Tests::needs_anchor(used, in.ball_used()));
+  }
+
+  void keep(const State& s) {
+    for (std::size_t j = 0; j < n_; ++j) graph_.store(slot(Memory::work, n_ + j), s.x[j]);
+    graph_.store(work(kActive), s.active);
+    graph_.store(work(kFailed), s.failed);
+    graph_.store(work(kRelative), s.relative);
+    graph_.store(slot_of(GroupFigure::iterations), s.iterations);
+  }
+  [[nodiscard]] State recall() {
+    State s{Values(n_), Values(n_), graph_.load(work(kRelative)), graph_.load(work(kActive)),
+            graph_.load(work(kFailed)), graph_.load(slot_of(GroupFigure::iterations))};
+    for (std::size_t j = 0; j < n_; ++j) {
+      s.weight[j] = graph_.load(slot(Memory::work, j));
+      s.x[j] = graph_.load(slot(Memory::work, n_ + j));
+    }
+    return s;
+  }
+
+  const GroupClass& class_;
+  const Program& p_;
+  std::span<const std::int32_t> reads_;
+  std::size_t n_;
+  Linear linear_;
+  Graph graph_;
+};
+
+}  // namespace
+
+bool has_class_step(const GroupClass& c) {
+  return c.n > 0 && c.quadratic && c.blocks == 1 && !has_group_step(c);
+}
+
+StepProgram class_step(const GroupClass& group_class, const Program& equations, const lanes::Elimination& elimination,
+                       std::span<const std::int32_t> reads, std::size_t most) {
+  return Writer(group_class, equations, elimination, reads).write(most);
+}
+
+}  // namespace assur

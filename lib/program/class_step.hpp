@@ -1,0 +1,33 @@
+// The step of a group of any size as a program: the operations of the general path (group/newton_step.hpp) where a step
+// is ordinary, one by one and in the same order, so that both have the same bits. Its linear systems are solved by the
+// pivots that the backend `lanes` has chosen. Where anything is unusual, a lane fails, and the general path must solve
+// the step.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "assur/structure.hpp"
+#include "backends/lanes_elimination.hpp"
+#include "equations/program.hpp"
+#include "program/group_step.hpp"
+
+namespace assur {
+
+// True for classes of quadratic equations in one irreducible block that have no group_step().
+[[nodiscard]] bool has_class_step(const GroupClass& group_class);
+
+// Numbers in Memory::work. It begins with the reciprocal scales of the equations; the last number is the largest entry of
+// Newton's first correction, which the caller must test, see BranchGuard.
+[[nodiscard]] constexpr std::size_t work_of_class_step(const GroupClass& group_class) {
+  return 2 * static_cast<std::size_t>(group_class.n) + 5;
+}
+
+// reads: see group_step(). Memory::unknowns holds the prediction, and then the solution. GroupFigure::failed is positive
+// where the step is unusual; results are then unspecified. Without phases if it would have more than `most` instructions.
+[[nodiscard]] StepProgram class_step(const GroupClass& group_class, const Program& equations,
+                                     const lanes::Elimination& elimination, std::span<const std::int32_t> reads,
+                                     std::size_t most);
+
+}  // namespace assur
