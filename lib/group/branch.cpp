@@ -36,9 +36,10 @@ bool invert_dense(double* a, double* out, std::int32_t n) {
         std::swap(out[j * n + c], out[j * n + pivot]);
       }
     }
+    const double reciprocal = 1 / p;
     for (std::int32_t j = 0; j < n; ++j) {
-      a[j * n + c] /= p;
-      out[j * n + c] /= p;
+      a[j * n + c] *= reciprocal;
+      out[j * n + c] *= reciprocal;
     }
     // The columns of a up to c are not needed any more, so that column c can hold the factors of the rows.
     double* const factor = a + c * n;
@@ -58,44 +59,46 @@ bool invert_dense(double* a, double* out, std::int32_t n) {
 
 BlockConditions::BlockConditions(const GroupClass& group_class, const Program& p, int lanes)
     : program_(p), lanes_(lanes) {
-  place_.resize(idx(p.n));
-  row_place_.resize(idx(p.n));
-  std::vector<std::vector<std::int32_t>> unknowns(idx(p.blocks)), equations(idx(p.blocks)), nonzeros(idx(p.blocks));
+  std::vector<std::int32_t> column(idx(p.n)), row(idx(p.n));  // of unknowns and equations, within their blocks
+  std::vector<std::vector<std::int32_t>> unknowns(idx(p.blocks)), equations(idx(p.blocks));
+  std::vector<std::vector<Entry>> entries(idx(p.blocks));
   for (std::int32_t i = 0; i < p.n; ++i) {
     auto& u = unknowns[idx(p.unknown_block[idx(i)])];
-    place_[idx(i)] = static_cast<std::int32_t>(u.size());
+    column[idx(i)] = static_cast<std::int32_t>(u.size());
     u.push_back(i);
     auto& e = equations[idx(p.equation_block[idx(i)])];
-    row_place_[idx(i)] = static_cast<std::int32_t>(e.size());
+    row[idx(i)] = static_cast<std::int32_t>(e.size());
     e.push_back(i);
   }
-  nonzero_column_.resize(idx(p.pattern.nnz()));
   for (std::int32_t c = 0; c < p.n; ++c) {
+    const std::int32_t b = p.unknown_block[idx(c)];
     for (std::int32_t k = p.pattern.column_start[idx(c)]; k < p.pattern.column_start[idx(c) + 1]; ++k) {
-      nonzero_column_[idx(k)] = c;
-      const std::int32_t b = p.unknown_block[idx(c)];
-      if (p.equation_block[idx(p.pattern.row[idx(k)])] == b) nonzeros[idx(b)].push_back(k);
+      const std::size_t r = idx(p.pattern.row[idx(k)]);
+      if (p.equation_block[r] == b) entries[idx(b)].push_back({k, row[r], column[idx(c)]});
     }
   }
-  unknown_start_ = nonzero_start_ = {0};
+  unknown_start_ = entry_start_ = {0};
   std::int32_t largest = 0;
+  std::size_t most_entries = 0;
   bool has_large = false;
   for (std::int32_t b = 0; b < p.blocks; ++b) {
     unknowns_.insert(unknowns_.end(), unknowns[idx(b)].begin(), unknowns[idx(b)].end());
     equations_.insert(equations_.end(), equations[idx(b)].begin(), equations[idx(b)].end());
-    nonzeros_.insert(nonzeros_.end(), nonzeros[idx(b)].begin(), nonzeros[idx(b)].end());
+    entries_.insert(entries_.end(), entries[idx(b)].begin(), entries[idx(b)].end());
     unknown_start_.push_back(static_cast<std::int32_t>(unknowns_.size()));
-    nonzero_start_.push_back(static_cast<std::int32_t>(nonzeros_.size()));
+    entry_start_.push_back(static_cast<std::int32_t>(entries_.size()));
     if (size(b) <= kDenseInverse) {
       largest = std::max(largest, size(b));
+      most_entries = std::max(most_entries, entries[idx(b)].size());
     } else {
       has_large = true;
     }
   }
   matrix_.resize(idx(largest) * idx(largest));
   inverse_.resize(matrix_.size());
-  change_.resize(matrix_.size());
-  for (std::vector<double>* v : {&defect_, &radius_, &image_}) v->resize(idx(largest));
+  inverted_.assign(matrix_.size(), kNan);
+  change_.resize(most_entries);
+  for (std::vector<double>* v : {&defect_, &radius_, &image_, &sums_}) v->resize(idx(largest));
   register_change_.resize(idx(p.registers));
   if (has_large) vector_.resize(idx(p.n) * idx(lanes));
   find_reads(group_class);
@@ -140,12 +143,17 @@ std::span<const std::int32_t> BlockConditions::equations(std::int32_t b) const {
 void BlockConditions::extract(const double* jacobian, std::int32_t b, int lane, std::vector<double>& out) const {
   const std::int32_t n = size(b);
   std::fill_n(out.data(), idx(n) * idx(n), 0.0);
-  for (std::int32_t i = nonzero_start_[idx(b)]; i < nonzero_start_[idx(b) + 1]; ++i) {
-    const std::int32_t k = nonzeros_[idx(i)];
-    const std::int32_t column = place_[idx(nonzero_column_[idx(k)])];
-    const std::int32_t row = row_place_[idx(program_.pattern.row[idx(k)])];
-    out[idx(column * n + row)] = jacobian[k * lanes_ + lane];
-  }
+  for (const Entry& e : entries(b)) out[idx(e.column * n + e.row)] = jacobian[e.nonzero * lanes_ + lane];
+}
+
+// Computes the inverse of matrix_, which is overwritten. The test of a tube and the new anchor after it have the same.
+bool BlockConditions::invert_matrix(std::int32_t n) {
+  const std::ptrdiff_t size = std::ptrdiff_t{n} * n;
+  if (std::equal(matrix_.begin(), matrix_.begin() + size, inverted_.begin())) return true;
+  std::copy_n(matrix_.begin(), size, inverted_.begin());
+  if (invert_dense(matrix_.data(), inverse_.data(), n)) return true;
+  inverted_[0] = kNan;  // equals nothing
+  return false;
 }
 
 void BlockConditions::measure(std::int32_t b, const double* jacobian, const Weights& weights, LinearSolver* solver,
@@ -172,18 +180,23 @@ void BlockConditions::dense_norms(std::int32_t b, int lane, const double* jacobi
   const std::int32_t n = size(b);
   extract(jacobian, b, lane, matrix_);
   norms.omega[lane] = norms.scale[lane] = kInfinity;
-  if (!invert_dense(matrix_.data(), inverse_.data(), n)) return;
+  if (!invert_matrix(n)) return;
   const auto rows = equations(b);
-  double omega = 0, scale = 0;
-  for (std::int32_t r = 0; r < n; ++r) {
-    double of_lipschitz = 0, of_scale = 0;
-    for (std::int32_t c = 0; c < n; ++c) {
-      const double entry = std::abs(inverse_[idx(c * n + r)]);
-      of_lipschitz += entry * weights.lipschitz[rows[idx(c)] * lanes_ + lane];
-      of_scale += entry * weights.scale[rows[idx(c)] * lanes_ + lane];
+  std::fill_n(image_.begin(), n, 0.0);
+  std::fill_n(sums_.begin(), n, 0.0);
+  for (std::int32_t c = 0; c < n; ++c) {
+    const std::int32_t at = rows[idx(c)] * lanes_ + lane;
+    const double lipschitz = weights.lipschitz[at], of_scale = weights.scale[at];
+    const double* const column = inverse_.data() + idx(c * n);
+    for (std::size_t r = 0; r < idx(n); ++r) {
+      image_[r] += std::abs(column[r]) * lipschitz;
+      sums_[r] += std::abs(column[r]) * of_scale;
     }
-    omega = std::max(omega, of_lipschitz);
-    scale = std::max(scale, of_scale);
+  }
+  double omega = 0, scale = 0;
+  for (std::size_t r = 0; r < idx(n); ++r) {
+    omega = std::max(omega, image_[r]);
+    scale = std::max(scale, sums_[r]);
   }
   if (std::isfinite(omega)) norms.omega[lane] = omega;
   if (std::isfinite(scale)) norms.scale[lane] = scale;
@@ -192,65 +205,70 @@ void BlockConditions::dense_norms(std::int32_t b, int lane, const double* jacobi
 bool BlockConditions::invert(std::int32_t b, int lane, const double* jacobian) {
   if (needs_solver(b)) return false;
   extract(jacobian, b, lane, matrix_);
-  return invert_dense(matrix_.data(), inverse_.data(), size(b));
+  return invert_matrix(size(b));
 }
 
-// matrix_ += |Phi'' r|: upper bounds of the changes of the Jacobian's entries if the unknowns change by up to r.
-void BlockConditions::add_change(std::int32_t b, int lane, const double* coefficients, std::span<const double> r) {
+// Upper bounds of the changes of all registers if the unknowns change by up to r.
+void BlockConditions::change_registers(std::int32_t b, int lane, const double* coefficients, std::span<const double> r) {
   std::fill(register_change_.begin(), register_change_.end(), 0.0);
   const auto columns = unknowns(b);
   for (std::size_t i = 0; i < columns.size(); ++i) register_change_[idx(columns[i])] = r[i];
-  const auto size_of = [&](const Program::Operand& o) {
-    return std::abs(coefficients[o.coefficient * lanes_ + lane]) * register_change_[idx(o.reg)];
-  };
   for (const Program::Form& f : program_.forms) {
     double sum = 0;
-    for (std::int32_t i = f.unknowns; i < f.end; ++i) sum += size_of(program_.operands[idx(i)]);
-    register_change_[idx(f.reg)] = sum;
-  }
-  const std::int32_t n = size(b);
-  for (std::int32_t i = nonzero_start_[idx(b)]; i < nonzero_start_[idx(b) + 1]; ++i) {
-    const std::int32_t k = nonzeros_[idx(i)];
-    const std::int32_t column = place_[idx(nonzero_column_[idx(k)])];
-    double& entry = matrix_[idx(column * n + row_place_[idx(program_.pattern.row[idx(k)])])];
-    for (std::int32_t e = program_.entries[idx(k)].begin; e < program_.entries[idx(k)].end; ++e) {
-      entry += size_of(program_.entry_operands[idx(e)]);
+    for (std::int32_t i = f.unknowns; i < f.end; ++i) {
+      const Program::Operand& o = program_.operands[idx(i)];
+      sum += std::abs(coefficients[o.coefficient * lanes_ + lane]) * register_change_[idx(o.reg)];
     }
+    register_change_[idx(f.reg)] = sum;
   }
 }
 
 bool BlockConditions::holds_one_solution(std::int32_t b, int lane, const double* jacobian, const double* there,
                                          const double* phi, const double* scale, const double* coefficients) {
-  const std::int32_t n = size(b);
+  const std::size_t n = idx(size(b));
   const auto rows = equations(b);
-  extract(jacobian, b, lane, change_);
-  extract(there, b, lane, matrix_);
-  for (std::size_t i = 0; i < idx(n * n); ++i) change_[i] = kChangeBetween * std::abs(change_[i] - matrix_[i]);
-  for (std::int32_t r = 0; r < n; ++r) {
-    double sum = 0, rounding = 0;
-    for (std::int32_t c = 0; c < n; ++c) {
-      const std::int32_t at = rows[idx(c)] * lanes_ + lane;
-      sum += inverse_[idx(c * n + r)] * phi[at];
-      rounding += std::abs(inverse_[idx(c * n + r)]) * scale[at];
-    }
-    defect_[idx(r)] = kDefectBetween * std::abs(sum) + kRoundingOfBranch * rounding;
-    radius_[idx(r)] = kDefectBetween * defect_[idx(r)];
+  const std::span<const Entry> all = entries(b);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const std::int32_t at = all[i].nonzero * lanes_ + lane;
+    change_[i] = kChangeBetween * std::abs(jacobian[at] - there[at]);
   }
-  const std::span<const double> radius = std::span(radius_).first(idx(n));
+  std::fill_n(sums_.begin(), n, 0.0);
+  std::fill_n(image_.begin(), n, 0.0);
+  for (std::size_t c = 0; c < n; ++c) {
+    const std::int32_t at = rows[c] * lanes_ + lane;
+    const double* const column = inverse_.data() + c * n;
+    for (std::size_t r = 0; r < n; ++r) {
+      sums_[r] += column[r] * phi[at];
+      image_[r] += std::abs(column[r]) * scale[at];
+    }
+  }
+  for (std::size_t r = 0; r < n; ++r) {
+    defect_[r] = kDefectBetween * std::abs(sums_[r]) + kRoundingOfBranch * image_[r];
+    radius_[r] = kDefectBetween * defect_[r];
+  }
+  const std::span<const double> radius = std::span(radius_).first(n);
   for (int growth = 0; growth < kGrowths; ++growth) {
-    std::copy_n(change_.begin(), n * n, matrix_.begin());
-    add_change(b, lane, coefficients, radius);
+    change_registers(b, lane, coefficients, radius);
+    std::fill_n(sums_.begin(), n, 0.0);  // (|change of J| + |Phi'' r|) r
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      double change = change_[i];
+      const Program::Range operands = program_.entries[idx(all[i].nonzero)];
+      for (std::int32_t o = operands.begin; o < operands.end; ++o) {
+        const Program::Operand& of = program_.entry_operands[idx(o)];
+        change += std::abs(coefficients[of.coefficient * lanes_ + lane]) * register_change_[idx(of.reg)];
+      }
+      sums_[idx(all[i].row)] += change * radius[idx(all[i].column)];
+    }
     std::copy_n(defect_.begin(), n, image_.begin());
-    for (std::int32_t c = 0; c < n; ++c) {  // image += |C| (matrix radius), one row of the product after the other
-      double product = 0;
-      for (std::int32_t k = 0; k < n; ++k) product += matrix_[idx(k * n + c)] * radius[idx(k)];
-      for (std::int32_t r = 0; r < n; ++r) image_[idx(r)] += std::abs(inverse_[idx(c * n + r)]) * product;
+    for (std::size_t c = 0; c < n; ++c) {
+      const double* const column = inverse_.data() + c * n;
+      for (std::size_t r = 0; r < n; ++r) image_[r] += std::abs(column[r]) * sums_[c];
     }
     bool inside = true;
-    for (std::int32_t r = 0; r < n; ++r) {
-      if (!std::isfinite(image_[idx(r)])) return false;
-      inside = inside && image_[idx(r)] <= radius[idx(r)];
-      radius_[idx(r)] = kRadiusGrowth * std::max(image_[idx(r)], radius[idx(r)]);
+    for (std::size_t r = 0; r < n; ++r) {
+      if (!std::isfinite(image_[r])) return false;
+      inside = inside && image_[r] <= radius[r];
+      radius_[r] = kRadiusGrowth * std::max(image_[r], radius[r]);
     }
     if (inside) return true;
   }

@@ -78,20 +78,28 @@ class BlockConditions {
 
  private:
   void find_reads(const GroupClass& group_class);
+  // The entries of its Jacobian that a block has: nonzero of the pattern, and its place in the block.
+  struct Entry {
+    std::int32_t nonzero, row, column;
+  };
+  [[nodiscard]] std::span<const Entry> entries(std::int32_t block) const {
+    const auto b = static_cast<std::size_t>(block);
+    return {entries_.data() + entry_start_[b], entries_.data() + entry_start_[b + 1]};
+  }
+  [[nodiscard]] bool invert_matrix(std::int32_t n);
   void dense_norms(std::int32_t block, int lane, const double* jacobian, const Weights& weights, const Norms& norms);
-  void add_change(std::int32_t block, int lane, const double* coefficients, std::span<const double> radius);
+  void change_registers(std::int32_t block, int lane, const double* coefficients, std::span<const double> radius);
   void sparse_norms(std::int32_t block, const double* weights, LinearSolver& solver, double* norms);
 
   const Program& program_;
   int lanes_;
   std::vector<std::int32_t> unknown_start_, unknowns_;  // by block
   std::vector<std::int32_t> equations_;                 // by block, same starts
-  std::vector<std::int32_t> place_;                     // unknown -> column within its block
-  std::vector<std::int32_t> row_place_;                 // equation -> row within its block
-  std::vector<std::int32_t> nonzero_start_, nonzeros_;  // by block: indices of its entries
-  std::vector<std::int32_t> nonzero_column_;            // nnz: column of each entry
-  std::vector<double> matrix_, inverse_, change_;       // largest dense block
-  std::vector<double> defect_, radius_, image_;         // its unknowns
+  std::vector<std::int32_t> entry_start_;               // by block
+  std::vector<Entry> entries_;                          // column after column of each block
+  std::vector<double> matrix_, inverse_, inverted_;     // largest dense block; inverted_: the matrix of inverse_
+  std::vector<double> change_;                          // its entries
+  std::vector<double> defect_, radius_, image_, sums_;  // its unknowns
   std::vector<double> register_change_;                 // registers
   std::vector<std::int32_t> reads_start_, reads_;       // by block
   std::vector<double> vector_;                          // n x lanes, if there are large blocks
