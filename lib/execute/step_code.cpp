@@ -51,13 +51,14 @@ class SharedCode final : public StepCode {
       return CodeOfStep{make(step.program, lanes), step.work};
     });
   }
-  std::shared_ptr<const Executor> of(const GroupClass& group_class, const Program& equations,
-                                     const lanes::Elimination& elimination, std::span<const std::int32_t> reads,
-                                     int lanes) override {
+  CodeOfClass of(const GroupClass& group_class, const Program& equations, const lanes::Elimination& elimination,
+                 std::span<const std::int32_t> reads, int lanes) override {
     const std::lock_guard lock(mutex_);
-    return of_classes_.of({group_class, elimination}, lanes, [&]() -> std::shared_ptr<const Executor> {
-      const StepProgram program = class_step(group_class, equations, elimination, reads, kMostInstructions);
-      return program.phases.empty() ? nullptr : make(program, lanes);
+    return of_classes_.of({group_class, elimination}, lanes, [&]() -> CodeOfClass {
+      if (!is_short(elimination, kMostInstructions)) return {};
+      return {make(class_step(group_class, equations, elimination, reads), lanes),
+              make(class_factors(group_class, equations, elimination), lanes),
+              make(class_changes(group_class, equations, elimination), lanes)};
     });
   }
   std::shared_ptr<const Executor> of(const StepProgram& program, int lanes) override {
@@ -75,7 +76,7 @@ class SharedCode final : public StepCode {
   VectorCode vectors_;
   std::mutex mutex_;
   Recent<GroupClass, CodeOfStep> of_groups_;
-  Recent<std::pair<GroupClass, lanes::Elimination>, std::shared_ptr<const Executor>> of_classes_;
+  Recent<std::pair<GroupClass, lanes::Elimination>, CodeOfClass> of_classes_;
   Recent<StepProgram, std::shared_ptr<const Executor>> of_programs_;
 };
 

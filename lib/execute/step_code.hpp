@@ -23,6 +23,11 @@ struct CodeOfStep {
   std::size_t work = 0;
 };
 
+// Of class_step(), class_factors() and class_changes(). Null: there is no code.
+struct CodeOfClass {
+  std::shared_ptr<const Executor> step, factors, changes;
+};
+
 class StepCode {
  public:
   virtual ~StepCode() = default;
@@ -34,10 +39,10 @@ class StepCode {
   // asked for since. Several threads may call it at once.
   [[nodiscard]] virtual CodeOfStep of(const GroupClass& group_class, const Program& equations,
                                       std::span<const std::int32_t> reads, int lanes) = 0;
-  // The code of class_step(), likewise.
-  [[nodiscard]] virtual std::shared_ptr<const Executor> of(const GroupClass& group_class, const Program& equations,
-                                                           const lanes::Elimination& elimination,
-                                                           std::span<const std::int32_t> reads, int lanes) = 0;
+  // The code of a class with this elimination, likewise.
+  [[nodiscard]] virtual CodeOfClass of(const GroupClass& group_class, const Program& equations,
+                                       const lanes::Elimination& elimination, std::span<const std::int32_t> reads,
+                                       int lanes) = 0;
   // The code of any other program, likewise. Null if it is too long, or if there is no code.
   [[nodiscard]] virtual std::shared_ptr<const Executor> of(const StepProgram& program, int lanes) = 0;
 };

@@ -66,7 +66,7 @@ bool CodedStep::run(const Pack& pack, double* const (&state)[3], int most_iterat
   settings_[slot_of(GroupSetting::most_iterations).index] = most_iterations;
   point_to(pack, memory_.data());
   point_to_unknowns(pack, state, memory_.data());
-  (code_ ? code_ : pack.machine_code)->run(memory_);
+  (code_ ? code_ : pack.machine_code.step)->run(memory_);
   double of_all[kGroupFigures];
   const double* largest = figures_.data();
   if (work_.lanes > 1) {

@@ -30,7 +30,8 @@ ErrorProbe::ErrorProbe(const System& system, Workspace& work, JacobianSolver& so
       side_by_side_(work.group_class.quadratic ? std::max<std::size_t>(kVectorLanes / idx(work.lanes), 1) : 1),
       lanes_(idx(work.lanes)),
       size_(work.size()),
-      evaluator_(side_by_side_ > 1 ? make_evaluator(system, work.program, static_cast<int>(kVectorLanes)) : nullptr) {
+      evaluator_(side_by_side_ > 1 ? make_evaluator(system, work.program, static_cast<int>(kVectorLanes)) : nullptr),
+      coded_(work) {
   for (LaneArray* v : {&residual_, &noise_, &tolerance_, &whole_}) v->resize(size_);
   for (LaneArray* v : {&rhs_, &error_, &bent_, &probe_, &direction_}) v->resize(size_ * side_by_side_);
   for (LaneArray* v : {&input_errors_, &input_direction_}) v->resize(work_.inputs.size() * side_by_side_);
@@ -119,6 +120,7 @@ void ErrorProbe::perturb(const Pack& pack, const PackLimit& limit, const double*
 
 bool ErrorProbe::follow(Pack& pack, const double* posture, std::span<double* const> changes) {
   solver_.choose(pack);
+  if (coded_.follow(pack, *solver_.at_hand(), posture, changes)) return true;
   work_.set_inputs(pack, posture);
   work_.evaluate(posture + pack.unknowns);
   solver_.new_jacobian();

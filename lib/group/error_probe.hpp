@@ -10,6 +10,7 @@
 
 #include "backends/residual.hpp"
 #include "group/branch.hpp"
+#include "group/coded_changes.hpp"
 #include "group/jacobian_solver.hpp"
 #include "group/pack_limit.hpp"
 #include "group/workspace.hpp"
@@ -88,6 +89,7 @@ class ErrorProbe {
   const std::size_t side_by_side_;
   const std::size_t lanes_, size_;              // W, n x W
   const std::unique_ptr<Evaluator> evaluator_;  // null: the workspace's evaluator, for one probe at a time
+  CodedChanges coded_;
   Unseen unseen_{};
   LaneArray residual_, noise_, tolerance_, whole_;                    // n x W
   LaneArray rhs_;                                                     // probes x n x W

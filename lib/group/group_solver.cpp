@@ -157,7 +157,7 @@ bool GroupSolver::class_step(Pack& pack, double* const (&state)[3], const Attemp
                              StepErrors& errors, Status& status) {
   const bool is_wanted = attempt.branch == Attempt::Branch::inside && serves(attempt) &&
                          !(attempt.all_rates && work_.group_class.first_wanted > 0);
-  if (!is_wanted || !pack.machine_code || !lanes::eliminates_by(*solver_.at_hand(), pack.eliminates.get())) return false;
+  if (!is_wanted || !pack.machine_code.step || !lanes::eliminates_by(*solver_.at_hand(), pack.eliminates.get())) return false;
   double* const x = state[0] + pack.unknowns;
   std::copy_n(x, predicted_.size(), predicted_.begin());
   SmallStepFigures figures{errors.position, errors.velocity, errors.acceleration};
@@ -190,13 +190,15 @@ bool GroupSolver::is_near(const Pack& pack, const double* state, const double* f
 void GroupSolver::find_code(Pack& pack) {
   if (code_ == nullptr) return;
   auto elimination = lanes::elimination_of(*solver_.at_hand());
-  if (pack.machine_code && elimination && *elimination == *pack.eliminates) {
+  if (pack.eliminates && elimination && *elimination == *pack.eliminates) {
     pack.eliminates = std::move(elimination);
     return;
   }
-  pack.machine_code = elimination ? code_->of(work_.group_class, work_.program, *elimination, guard_.blocks().reads(0),
-                                      work_.lanes)
-                          : nullptr;
+  pack.machine_code = {};
+  if (elimination) {
+    pack.machine_code =
+        code_->of(work_.group_class, work_.program, *elimination, guard_.blocks().reads(0), work_.lanes);
+  }
   pack.eliminates = std::move(elimination);
 }
 

@@ -29,7 +29,7 @@ class GroupSolver {
               std::span<const Backend> table);
   // Takes ordinary steps by machine code, if there is some for them, with the same bits.
   void use(StepCode& code);
-  [[nodiscard]] bool is_coded(const Pack& pack) const { return is_coded_ || pack.machine_code != nullptr; }
+  [[nodiscard]] bool is_coded(const Pack& pack) const { return is_coded_ || pack.machine_code.step != nullptr; }
 
   [[nodiscard]] int lanes() const { return work_.lanes; }
   [[nodiscard]] const GroupClass& group_class() const { return work_.group_class; }

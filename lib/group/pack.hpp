@@ -12,7 +12,7 @@
 #include "backends/lanes_elimination.hpp"
 #include "equations/lane_array.hpp"
 #include "equations/program.hpp"
-#include "execute/executor.hpp"
+#include "execute/step_code.hpp"
 #include "group/pack_kernels.hpp"
 
 namespace assur {
@@ -45,8 +45,8 @@ struct Pack {
   std::unique_ptr<LinearSolver> solver;  // own solver; null: the packs of the class share one
   std::unique_ptr<LinearSolver> pivots;  // own solvers are clones of it; null: of that of the first pack of the class
   bool factored = false;                 // +reuse=run: `solver` holds factors of an earlier posture
-  // Machine code of class_step() as long as `solver` eliminates in this way; null: there is none.
-  std::shared_ptr<const Executor> machine_code;
+  // Machine code of the class, if there is some, which serves as long as `solver` eliminates in this way.
+  CodeOfClass machine_code;
   std::shared_ptr<const lanes::Elimination> eliminates;
 
   // A status about the group in a lane.

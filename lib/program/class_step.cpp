@@ -75,6 +75,14 @@ class Linear {
     return failed;
   }
 
+  // The factors in Memory::work, from a number on.
+  void keep(GroupSlots& to, std::size_t first) const {
+    for (std::size_t k = 0; k < p_.square_slot; ++k) to.store(Memory::work, first + k, slots_[k]);
+  }
+  void recall(const GroupSlots& from, std::size_t first) {
+    for (std::size_t k = 0; k < p_.square_slot; ++k) slots_[k] = from.load(Memory::work, first + k);
+  }
+
   // Unknowns before first_wanted are unspecified.
   [[nodiscard]] Values solve(const Values& b, int first_wanted = 0) const {
     Values y(p_.n), x(p_.n);
@@ -138,45 +146,9 @@ class Linear {
 };
 
 class Writer {
- public:
-  Writer(const GroupClass& group_class, const Program& equations, const lanes::Elimination& elimination,
-         std::span<const std::int32_t> reads)
-      : class_(group_class), p_(equations), reads_(reads), n_(idx(equations.n)), linear_(p_.pattern, elimination) {}
-
-  [[nodiscard]] StepProgram write(std::size_t most) {
-    StepProgram out;
-    std::size_t instructions = 0;
-    const auto add = [&](std::optional<Slot> repeat_while) {
-      out.phases.push_back(graph_.phase());
-      out.phases.back().repeat_while = repeat_while;
-      instructions += out.phases.back().code.size();
-      graph_ = {};
-    };
-    begin();
-    add({});
-    // A phase of iterations is about as long as the first one without its end.
-    if (instructions > most) return {};
-    iterate();
-    add(work(kActive));
-    finish_late();
-    add(work(kIsOpen));
-    if (instructions > most) return {};
-    return out;
-  }
-
- private:
-  // Places in Memory::work: reciprocal scales, unknowns, then numbers of the lane.
-  enum Number : std::uint32_t { kActive, kFailed, kRelative, kIsOpen, kFirst };
-  struct State {
-    Values x, weight;
-    Value relative, active, failed, iterations;  // as in SmallGroup
-  };
   using Equations = HWY_NAMESPACE::QuadraticEquations<Value>;
 
-  [[nodiscard]] GroupSlots slots() { return {graph_, p_, std::uint16_t{0}}; }
-  [[nodiscard]] static Slot slot(Memory memory, std::size_t i) { return {memory, static_cast<std::uint32_t>(i)}; }
-  [[nodiscard]] Slot work(Number n) const { return slot(Memory::work, 2 * n_ + n); }
-  [[nodiscard]] Value setting(GroupSetting s) { return slots().setting(s); }
+  // Numbers as functions, see QuadraticEquations.
   [[nodiscard]] auto coefficients() {
     return [this](std::int32_t k) { return slots().coefficient(k); };
   }
@@ -190,6 +162,65 @@ class Writer {
     return [&out](std::size_t i, const Value& number) { out[i] = number; };
   }
 
+ public:
+  Writer(const GroupClass& group_class, const Program& equations, const lanes::Elimination& elimination,
+         std::span<const std::int32_t> reads)
+      : class_(group_class), p_(equations), reads_(reads), n_(idx(equations.n)), linear_(p_.pattern, elimination) {}
+
+  [[nodiscard]] StepProgram step() {
+    StepProgram out;
+    const auto add = [&](std::optional<Slot> repeat_while) {
+      out.phases.push_back(graph_.phase());
+      out.phases.back().repeat_while = repeat_while;
+      graph_ = {};
+    };
+    begin();
+    add({});
+    iterate();
+    add(work(kActive));
+    finish_late();
+    add(work(kIsOpen));
+    return out;
+  }
+
+  [[nodiscard]] StepProgram factors() {
+    Equations equations(p_);
+    Values phi, jacobian;
+    evaluate(equations, predicted(equations), phi, jacobian);
+    GroupSlots to = slots();
+    for (std::size_t k = 0; k < jacobian.size(); ++k) to.store(Memory::work, k, jacobian[k]);
+    to.store(Memory::figures, static_cast<std::size_t>(GroupFigure::failed), linear_.factorize(jacobian));
+    linear_.keep(to, jacobian.size());
+    return {{graph_.phase()}, {}};
+  }
+
+  [[nodiscard]] StepProgram changes() {
+    Equations equations(p_);
+    Values phi, jacobian, rhs(n_);
+    evaluate(equations, predicted(equations), phi, jacobian);
+    GroupSlots io = slots();
+    for (std::size_t k = 0; k < jacobian.size(); ++k) jacobian[k] = io.load(Memory::work, k);
+    linear_.recall(io, jacobian.size());
+    equations.velocity_rhs(coefficients(), inputs(1), into(rhs));
+    const Values x = linear_.solve(rhs);
+    for (std::size_t j = 0; j < n_; ++j) io.store(Memory::rates, j, x[j]);
+    const Slot failed = slot_of(GroupFigure::failed);
+    const Value grown = exceeds(linear_.residual(jacobian, x, rhs), Value::set(kPivotsGrew));
+    graph_.store(failed, graph_.load(failed) + grown);
+    return {{graph_.phase()}, {}};
+  }
+
+ private:
+  // Places in Memory::work: reciprocal scales, unknowns, then numbers of the lane.
+  enum Number : std::uint32_t { kActive, kFailed, kRelative, kIsOpen, kFirst };
+  struct State {
+    Values x, weight;
+    Value relative, active, failed, iterations;  // as in SmallGroup
+  };
+  [[nodiscard]] GroupSlots slots() { return {graph_, p_, std::uint16_t{0}}; }
+  [[nodiscard]] static Slot slot(Memory memory, std::size_t i) { return {memory, static_cast<std::uint32_t>(i)}; }
+  [[nodiscard]] Slot work(Number n) const { return slot(Memory::work, 2 * n_ + n); }
+  [[nodiscard]] Value setting(GroupSetting s) { return slots().setting(s); }
   // Equations and Jacobian at x.
   void evaluate(Equations& equations, const Values& x, Values& phi, Values& jacobian) {
     for (std::size_t j = 0; j < n_; ++j) equations.values().set(j, x[j]);
@@ -227,11 +258,17 @@ class Writer {
     s.active = if_at_most(s.failed, kNone, s.active, kNone);
   }
 
+  // Sets the inputs, too.
+  [[nodiscard]] Values predicted(Equations& equations) {
+    equations.set_inputs(coefficients(), inputs(0));
+    Values x(n_);
+    for (std::size_t j = 0; j < n_; ++j) x[j] = graph_.load(slot(Memory::unknowns, j));
+    return x;
+  }
+
   void begin() {
     Equations equations(p_);
-    equations.set_inputs(coefficients(), inputs(0));
-    State s{Values(n_), Values(n_), {}, {}, kNone, kNone};
-    for (std::size_t j = 0; j < n_; ++j) s.x[j] = graph_.load(slot(Memory::unknowns, j));
+    State s{predicted(equations), Values(n_), {}, {}, kNone, kNone};
     Values phi, jacobian;
     evaluate(equations, s.x, phi, jacobian);
     equations.scale(coefficients(), [&](std::size_t i, const Value& scale) {
@@ -350,9 +387,28 @@ bool has_class_step(const GroupClass& c) {
   return c.n > 0 && c.quadratic && c.blocks == 1 && !has_group_step(c);
 }
 
+// The step factorises four times; a product is two numbers.
+bool is_short(const lanes::Elimination& elimination, std::size_t most) {
+  return 4 * elimination.factor.size() / 2 <= most;
+}
+
 StepProgram class_step(const GroupClass& group_class, const Program& equations, const lanes::Elimination& elimination,
-                       std::span<const std::int32_t> reads, std::size_t most) {
-  return Writer(group_class, equations, elimination, reads).write(most);
+                       std::span<const std::int32_t> reads) {
+  return Writer(group_class, equations, elimination, reads).step();
+}
+
+StepProgram class_factors(const GroupClass& group_class, const Program& equations,
+                          const lanes::Elimination& elimination) {
+  return Writer(group_class, equations, elimination, {}).factors();
+}
+
+StepProgram class_changes(const GroupClass& group_class, const Program& equations,
+                          const lanes::Elimination& elimination) {
+  return Writer(group_class, equations, elimination, {}).changes();
+}
+
+std::size_t work_of_changes(const Program& equations) {
+  return idx(equations.pattern.nnz()) + idx(equations.n) * idx(equations.n);
 }
 
 }  // namespace assur

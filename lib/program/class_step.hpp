@@ -17,6 +17,8 @@ namespace assur {
 
 // True for classes of quadratic equations in one irreducible block that have no group_step().
 [[nodiscard]] bool has_class_step(const GroupClass& group_class);
+// False if its programs are certainly longer than `most` instructions.
+[[nodiscard]] bool is_short(const lanes::Elimination& elimination, std::size_t most);
 
 // Numbers in Memory::work. It begins with the reciprocal scales of the equations; the last number is the largest entry of
 // Newton's first correction, which the caller must test, see BranchGuard.
@@ -25,9 +27,18 @@ namespace assur {
 }
 
 // reads: see group_step(). Memory::unknowns holds the prediction, and then the solution. GroupFigure::failed is positive
-// where the step is unusual; results are then unspecified. Without phases if it would have more than `most` instructions.
+// where the step is unusual; results are then unspecified.
 [[nodiscard]] StepProgram class_step(const GroupClass& group_class, const Program& equations,
-                                     const lanes::Elimination& elimination, std::span<const std::int32_t> reads,
-                                     std::size_t most);
+                                     const lanes::Elimination& elimination, std::span<const std::int32_t> reads);
+
+// The factors of the Jacobian at a posture, in Memory::work, for class_changes(). GroupFigure::failed as above.
+[[nodiscard]] StepProgram class_factors(const GroupClass& group_class, const Program& equations,
+                                        const lanes::Elimination& elimination);
+// Changes of the unknowns, in Memory::rates, that follow from changes of the inputs, in Memory::input_rates, to first
+// order: J dq = -Phi_h dh. GroupFigure::failed is raised.
+[[nodiscard]] StepProgram class_changes(const GroupClass& group_class, const Program& equations,
+                                        const lanes::Elimination& elimination);
+// Numbers that both have in Memory::work, at most.
+[[nodiscard]] std::size_t work_of_changes(const Program& equations);
 
 }  // namespace assur
