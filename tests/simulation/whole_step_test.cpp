@@ -33,6 +33,13 @@ class CountingCode final : public StepCode {
     if (out.executor) out.executor = std::make_shared<Counting>(out.executor, calls_of_groups);
     return out;
   }
+  CodeOfClass of(const GroupClass& group_class, const Program& equations, const lanes::Elimination& elimination,
+                 std::span<const std::int32_t> reads, int lanes) override {
+    CodeOfClass out = code_->of(group_class, equations, elimination, reads, lanes);
+    if (out.step) out.step = std::make_shared<Counting>(out.step, calls_of_classes);
+    if (out.changes) out.changes = std::make_shared<Counting>(out.changes, changes);
+    return out;
+  }
   std::shared_ptr<const Executor> of(const StepProgram& program, int lanes) override {
     auto out = code_->of(program, lanes);
     const bool has_groups = std::any_of(program.phases.begin(), program.phases.end(),
@@ -41,7 +48,7 @@ class CountingCode final : public StepCode {
     return out;
   }
 
-  int calls_of_groups = 0, calls_of_mechanisms = 0, other_calls = 0;
+  int calls_of_groups = 0, calls_of_mechanisms = 0, calls_of_classes = 0, changes = 0, other_calls = 0;
 
  private:
   class Counting final : public Executor {
@@ -94,6 +101,19 @@ TEST_F(WholeStepTest, LeavesLongMechanismsToSingleGroups) {
   for (int k = 1; k <= 5; ++k) ASSERT_TRUE(s.step(chain.time().time(k)).ok());
   EXPECT_EQ(code_->calls_of_mechanisms, 0);
   EXPECT_GE(code_->calls_of_groups, 500);
+}
+
+TEST_F(WholeStepTest, ServesLargerClasses) {
+  constexpr int kSteps = 200;
+  for (const char* name : {"delta", "sarrus", "double_wishbone", "three_rps"}) {
+    SCOPED_TRACE(name);
+    const Scene scene = sample(name);
+    Simulator s = simulator(scene, "irreducible/lanes");
+    code_->calls_of_classes = code_->changes = 0;
+    for (int k = 1; k <= kSteps; ++k) ASSERT_TRUE(s.step(scene.time().time(k)).ok());
+    EXPECT_GE(code_->calls_of_classes, kSteps);
+    EXPECT_GT(code_->changes, 0);
+  }
 }
 
 // Rows and report by machine code and by kernels. Returns the report.
