@@ -12,12 +12,6 @@ namespace {
 
 constexpr std::int32_t kDenseInverse = 64;
 constexpr int kHagerRounds = 3;
-constexpr int kGrowths = 20;  // attempts to enlarge a box until it contains its image
-constexpr double kRadiusGrowth = 1.2;
-// Margins for the postures between the examined ones.
-constexpr double kDefectBetween = 1.5, kChangeBetween = 1.25;
-// Residuals below this are only rounding, with a margin: at a change point they decide between the branches.
-constexpr double kRoundingOfBranch = 64 * kConverged;
 
 // out = a^-1 by Gauss-Jordan with row pivoting (column-major, n x n; a is overwritten). False: singular.
 bool invert_dense(double* a, double* out, std::int32_t n) {
@@ -58,10 +52,10 @@ bool invert_dense(double* a, double* out, std::int32_t n) {
 }  // namespace
 
 BlockConditions::BlockConditions(const GroupClass& group_class, const Program& p, int lanes)
-    : program_(p), lanes_(lanes) {
+    : program_(p), lanes_(lanes), boxes_(make_box_test(p)) {
   std::vector<std::int32_t> column(idx(p.n)), row(idx(p.n));  // of unknowns and equations, within their blocks
   std::vector<std::vector<std::int32_t>> unknowns(idx(p.blocks)), equations(idx(p.blocks));
-  std::vector<std::vector<Entry>> entries(idx(p.blocks));
+  std::vector<std::vector<BoxTest::Entry>> entries(idx(p.blocks));
   for (std::int32_t i = 0; i < p.n; ++i) {
     auto& u = unknowns[idx(p.unknown_block[idx(i)])];
     column[idx(i)] = static_cast<std::int32_t>(u.size());
@@ -79,7 +73,6 @@ BlockConditions::BlockConditions(const GroupClass& group_class, const Program& p
   }
   unknown_start_ = entry_start_ = {0};
   std::int32_t largest = 0;
-  std::size_t most_entries = 0;
   bool has_large = false;
   for (std::int32_t b = 0; b < p.blocks; ++b) {
     unknowns_.insert(unknowns_.end(), unknowns[idx(b)].begin(), unknowns[idx(b)].end());
@@ -89,7 +82,6 @@ BlockConditions::BlockConditions(const GroupClass& group_class, const Program& p
     entry_start_.push_back(static_cast<std::int32_t>(entries_.size()));
     if (size(b) <= kDenseInverse) {
       largest = std::max(largest, size(b));
-      most_entries = std::max(most_entries, entries[idx(b)].size());
     } else {
       has_large = true;
     }
@@ -97,9 +89,7 @@ BlockConditions::BlockConditions(const GroupClass& group_class, const Program& p
   matrix_.resize(idx(largest) * idx(largest));
   inverse_.resize(matrix_.size());
   inverted_.assign(matrix_.size(), kNan);
-  change_.resize(most_entries);
-  for (std::vector<double>* v : {&defect_, &radius_, &image_, &sums_}) v->resize(idx(largest));
-  register_change_.resize(idx(p.registers));
+  for (std::vector<double>* v : {&of_lipschitz_, &of_scale_}) v->resize(idx(largest));
   if (has_large) vector_.resize(idx(p.n) * idx(lanes));
   find_reads(group_class);
 }
@@ -143,7 +133,7 @@ std::span<const std::int32_t> BlockConditions::equations(std::int32_t b) const {
 void BlockConditions::extract(const double* jacobian, std::int32_t b, int lane, std::vector<double>& out) const {
   const std::int32_t n = size(b);
   std::fill_n(out.data(), idx(n) * idx(n), 0.0);
-  for (const Entry& e : entries(b)) out[idx(e.column * n + e.row)] = jacobian[e.nonzero * lanes_ + lane];
+  for (const BoxTest::Entry& e : entries(b)) out[idx(e.column * n + e.row)] = jacobian[e.nonzero * lanes_ + lane];
 }
 
 // Computes the inverse of matrix_, which is overwritten. The test of a tube and the new anchor after it have the same.
@@ -182,97 +172,47 @@ void BlockConditions::dense_norms(std::int32_t b, int lane, const double* jacobi
   norms.omega[lane] = norms.scale[lane] = kInfinity;
   if (!invert_matrix(n)) return;
   const auto rows = equations(b);
-  std::fill_n(image_.begin(), n, 0.0);
-  std::fill_n(sums_.begin(), n, 0.0);
+  for (std::vector<double>* v : {&of_lipschitz_, &of_scale_}) std::fill_n(v->begin(), n, 0.0);
   for (std::int32_t c = 0; c < n; ++c) {
     const std::int32_t at = rows[idx(c)] * lanes_ + lane;
     const double lipschitz = weights.lipschitz[at], of_scale = weights.scale[at];
     const double* const column = inverse_.data() + idx(c * n);
     for (std::size_t r = 0; r < idx(n); ++r) {
-      image_[r] += std::abs(column[r]) * lipschitz;
-      sums_[r] += std::abs(column[r]) * of_scale;
+      of_lipschitz_[r] += std::abs(column[r]) * lipschitz;
+      of_scale_[r] += std::abs(column[r]) * of_scale;
     }
   }
   double omega = 0, scale = 0;
   for (std::size_t r = 0; r < idx(n); ++r) {
-    omega = std::max(omega, image_[r]);
-    scale = std::max(scale, sums_[r]);
+    omega = std::max(omega, of_lipschitz_[r]);
+    scale = std::max(scale, of_scale_[r]);
   }
   if (std::isfinite(omega)) norms.omega[lane] = omega;
   if (std::isfinite(scale)) norms.scale[lane] = scale;
 }
 
-bool BlockConditions::invert(std::int32_t b, int lane, const double* jacobian) {
+bool BlockConditions::invert(std::int32_t b, const BoxTest::Lane& of) {
   if (needs_solver(b)) return false;
-  extract(jacobian, b, lane, matrix_);
+  extract(of.jacobian, b, of.lane, matrix_);
   return invert_matrix(size(b));
 }
 
-// Upper bounds of the changes of all registers if the unknowns change by up to r.
-void BlockConditions::change_registers(std::int32_t b, int lane, const double* coefficients, std::span<const double> r) {
-  std::fill(register_change_.begin(), register_change_.end(), 0.0);
-  const auto columns = unknowns(b);
-  for (std::size_t i = 0; i < columns.size(); ++i) register_change_[idx(columns[i])] = r[i];
-  for (const Program::Form& f : program_.forms) {
-    double sum = 0;
-    for (std::int32_t i = f.unknowns; i < f.end; ++i) {
-      const Program::Operand& o = program_.operands[idx(i)];
-      sum += std::abs(coefficients[o.coefficient * lanes_ + lane]) * register_change_[idx(o.reg)];
-    }
-    register_change_[idx(f.reg)] = sum;
-  }
+bool BlockConditions::hold(std::int32_t b, const BoxTest::Lane& of) {
+  return boxes_->hold(of, {entries(b), unknowns(b), equations(b)}, inverse_.data());
 }
 
-bool BlockConditions::holds_one_solution(std::int32_t b, int lane, const double* jacobian, const double* there,
-                                         const double* phi, const double* scale, const double* coefficients) {
-  const std::size_t n = idx(size(b));
-  const auto rows = equations(b);
-  const std::span<const Entry> all = entries(b);
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    const std::int32_t at = all[i].nonzero * lanes_ + lane;
-    change_[i] = kChangeBetween * std::abs(jacobian[at] - there[at]);
-  }
-  std::fill_n(sums_.begin(), n, 0.0);
-  std::fill_n(image_.begin(), n, 0.0);
-  for (std::size_t c = 0; c < n; ++c) {
-    const std::int32_t at = rows[c] * lanes_ + lane;
-    const double* const column = inverse_.data() + c * n;
-    for (std::size_t r = 0; r < n; ++r) {
-      sums_[r] += column[r] * phi[at];
-      image_[r] += std::abs(column[r]) * scale[at];
-    }
-  }
-  for (std::size_t r = 0; r < n; ++r) {
-    defect_[r] = kDefectBetween * std::abs(sums_[r]) + kRoundingOfBranch * image_[r];
-    radius_[r] = kDefectBetween * defect_[r];
-  }
-  const std::span<const double> radius = std::span(radius_).first(n);
-  for (int growth = 0; growth < kGrowths; ++growth) {
-    change_registers(b, lane, coefficients, radius);
-    std::fill_n(sums_.begin(), n, 0.0);  // (|change of J| + |Phi'' r|) r
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      double change = change_[i];
-      const Program::Range operands = program_.entries[idx(all[i].nonzero)];
-      for (std::int32_t o = operands.begin; o < operands.end; ++o) {
-        const Program::Operand& of = program_.entry_operands[idx(o)];
-        change += std::abs(coefficients[of.coefficient * lanes_ + lane]) * register_change_[idx(of.reg)];
-      }
-      sums_[idx(all[i].row)] += change * radius[idx(all[i].column)];
-    }
-    std::copy_n(defect_.begin(), n, image_.begin());
-    for (std::size_t c = 0; c < n; ++c) {
-      const double* const column = inverse_.data() + c * n;
-      for (std::size_t r = 0; r < n; ++r) image_[r] += std::abs(column[r]) * sums_[c];
-    }
-    bool inside = true;
-    for (std::size_t r = 0; r < n; ++r) {
-      if (!std::isfinite(image_[r])) return false;
-      inside = inside && image_[r] <= radius[r];
-      radius_[r] = kRadiusGrowth * std::max(image_[r], radius[r]);
-    }
-    if (inside) return true;
-  }
-  return false;
+bool BlockConditions::hold_one_solution(std::int32_t b, const BoxTest::Lane& of, const double* unknowns,
+                                        const double* inputs) {
+  if (!invert(b, of)) return false;
+  boxes_->take(of, unknowns, inputs);
+  return hold(b, of);
+}
+
+bool BlockConditions::holds_one_solution(std::int32_t b, const BoxTest::Lane& of, const double* phi,
+                                         const double* scale) {
+  if (!invert(b, of)) return false;
+  boxes_->take(of, phi, scale, idx(program_.equations_count));
+  return hold(b, of);
 }
 
 // Hager's power method for | J^-1 D |_inf = | (J^-1 D)^T |_1, all lanes at once. Right-hand sides are zero outside the

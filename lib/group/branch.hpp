@@ -17,12 +17,14 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "assur/backend.hpp"
 #include "assur/structure.hpp"
 #include "equations/program.hpp"
+#include "group/box_test.hpp"
 
 namespace assur {
 
@@ -50,15 +52,14 @@ class BlockConditions {
   // True if the block is too large for a dense inverse.
   [[nodiscard]] bool needs_solver(std::int32_t block) const;
 
-  // Computes C of one block in one lane, for holds_one_solution(). False if the block is singular, or has more than 64
-  // unknowns.
-  [[nodiscard]] bool invert(std::int32_t block, int lane, const double* jacobian);
-
-  // True if a box was found around a posture that holds exactly one solution of the block that invert() was called for.
-  // jacobian: the Jacobian that C inverts; there, phi, scale: Jacobian, equations and Evaluator::scale at the posture;
-  // coefficients: of the pack.
-  [[nodiscard]] bool holds_one_solution(std::int32_t block, int lane, const double* jacobian, const double* there,
-                                        const double* phi, const double* scale, const double* coefficients);
+  // True if a box around each of four postures holds exactly one solution of a block. of.jacobian: of the posture at
+  // the end of a tube, say, in whose inverse boxes are tested. False also if it is singular, or if the block has more
+  // than 64 unknowns. unknowns, inputs: n x 4, inputs x 4
+  [[nodiscard]] bool hold_one_solution(std::int32_t block, const BoxTest::Lane& of, const double* unknowns,
+                                       const double* inputs);
+  // The same for the posture of the Jacobian, by its equations and their scales.
+  [[nodiscard]] bool holds_one_solution(std::int32_t block, const BoxTest::Lane& of, const double* phi,
+                                        const double* scale);
 
   // The moving coordinates that a block reads: local numbers of unknowns and inputs.
   [[nodiscard]] std::span<const std::int32_t> reads(std::int32_t block) const {
@@ -78,17 +79,14 @@ class BlockConditions {
 
  private:
   void find_reads(const GroupClass& group_class);
-  // The entries of its Jacobian that a block has: nonzero of the pattern, and its place in the block.
-  struct Entry {
-    std::int32_t nonzero, row, column;
-  };
-  [[nodiscard]] std::span<const Entry> entries(std::int32_t block) const {
+  [[nodiscard]] std::span<const BoxTest::Entry> entries(std::int32_t block) const {
     const auto b = static_cast<std::size_t>(block);
     return {entries_.data() + entry_start_[b], entries_.data() + entry_start_[b + 1]};
   }
+  [[nodiscard]] bool invert(std::int32_t block, const BoxTest::Lane& of);
+  [[nodiscard]] bool hold(std::int32_t block, const BoxTest::Lane& of);
   [[nodiscard]] bool invert_matrix(std::int32_t n);
   void dense_norms(std::int32_t block, int lane, const double* jacobian, const Weights& weights, const Norms& norms);
-  void change_registers(std::int32_t block, int lane, const double* coefficients, std::span<const double> radius);
   void sparse_norms(std::int32_t block, const double* weights, LinearSolver& solver, double* norms);
 
   const Program& program_;
@@ -96,13 +94,12 @@ class BlockConditions {
   std::vector<std::int32_t> unknown_start_, unknowns_;  // by block
   std::vector<std::int32_t> equations_;                 // by block, same starts
   std::vector<std::int32_t> entry_start_;               // by block
-  std::vector<Entry> entries_;                          // column after column of each block
+  std::vector<BoxTest::Entry> entries_;                 // column after column of each block
   std::vector<double> matrix_, inverse_, inverted_;     // largest dense block; inverted_: the matrix of inverse_
-  std::vector<double> change_;                          // its entries
-  std::vector<double> defect_, radius_, image_, sums_;  // its unknowns
-  std::vector<double> register_change_;                 // registers
-  std::vector<std::int32_t> reads_start_, reads_;       // by block
-  std::vector<double> vector_;                          // n x lanes, if there are large blocks
+  std::vector<double> of_lipschitz_, of_scale_;         // its unknowns
+  std::unique_ptr<BoxTest> boxes_;
+  std::vector<std::int32_t> reads_start_, reads_;  // by block
+  std::vector<double> vector_;                     // n x lanes, if there are large blocks
 };
 
 }  // namespace assur

@@ -10,10 +10,8 @@ namespace assur {
 
 BranchGuard::BranchGuard(Workspace& work, JacobianSolver& solver)
     : work_(work), solver_(solver), blocks_(work.group_class, work.program, work.lanes) {
-  there_.resize(work_.size());
-  there_phi_.resize(work_.size());
-  there_jacobian_.resize(work_.jacobian.size());
-  there_inputs_.resize(work_.inputs.size());
+  there_.resize(idx(work_.program.n) * BoxTest::kPostures);
+  there_inputs_.resize(idx(work_.program.inputs) * BoxTest::kPostures);
   for (LaneArray* v : {&omega_, &used_}) v->resize(idx(work_.lanes));
   changes_.resize(idx(work_.lanes));
   posture_errors_.resize(idx(work_.lanes));
@@ -41,33 +39,32 @@ Status BranchGuard::check_tubes(const Pack& pack, double* const (&state)[3], std
 // Examines the tube along the cubic from the anchor, `seconds` ago, to the new posture, with the rates of both.
 bool BranchGuard::tube_leads_here(const Pack& pack, double* const (&state)[3], std::int32_t b, int lane,
                                   double seconds) {
+  static_assert(kAlongTheTube.size() == BoxTest::kPostures);
+  if (!std::isfinite(seconds)) return false;
   const double *x = state[0] + pack.unknowns, *rate = state[1] + pack.unknowns;
-  if (!std::isfinite(seconds) || !blocks_.invert(b, lane, work_.jacobian.data())) return false;
   work_.gather(pack, state[1], work_.input_rates);
-  const auto reads = blocks_.reads(b);
-  const std::size_t w = idx(work_.lanes), first = blocks_.reads_start(b) * w + idx(lane);
-  std::copy_n(x, there_.size(), there_.begin());
-  there_inputs_ = work_.inputs;
-  bool leads = true;
-  for (const double t : kAlongTheTube) {
-    const double s = 1 - t, end = t * t * (3 - 2 * t), begin = 1 - end;
-    for (std::size_t i = 0; i < reads.size(); ++i) {
-      const bool unknown = reads[i] < work_.program.n;
-      const std::size_t at = idx(unknown ? reads[i] : reads[i] - work_.program.n) * w + idx(lane);
-      const double q0 = pack.anchor[first + i * w], v0 = pack.anchor_rates[first + i * w];
-      const double q1 = unknown ? x[at] : work_.inputs[at], v1 = unknown ? rate[at] : work_.input_rates[at];
-      (unknown ? there_ : there_inputs_)[at] = begin * q0 + end * q1 + seconds * t * s * (s * v0 - t * v1);
-    }
-    work_.evaluator->set_inputs(pack.coefficients.data(), there_inputs_.data());
-    work_.evaluator->evaluate(there_.data(), there_phi_.data(), there_jacobian_.data());
-    work_.evaluator->scale(work_.scale.data());
-    leads = blocks_.holds_one_solution(b, lane, work_.jacobian.data(), there_jacobian_.data(), there_phi_.data(),
-                                       work_.scale.data(), pack.coefficients.data());
-    if (!leads) break;
+  const std::size_t w = idx(work_.lanes), first = blocks_.reads_start(b) * w + idx(lane), n = idx(work_.program.n);
+  const auto row = [&](std::size_t c) {
+    return (c < n ? there_ : there_inputs_).data() + (c < n ? c : c - n) * BoxTest::kPostures;
+  };
+  const auto at = [&](std::size_t c, const double* unknowns, const LaneArray& inputs) {
+    return c < n ? unknowns[c * w + idx(lane)] : inputs[(c - n) * w + idx(lane)];
+  };
+  for (std::size_t c = 0; c < n + idx(work_.program.inputs); ++c) {
+    std::fill_n(row(c), BoxTest::kPostures, at(c, x, work_.inputs));
   }
-  work_.evaluator->set_inputs(pack.coefficients.data(), work_.inputs.data());
-  work_.evaluate(x);
-  return leads;
+  const auto reads = blocks_.reads(b);
+  for (std::size_t i = 0; i < reads.size(); ++i) {
+    const std::size_t c = idx(reads[i]);
+    const double q0 = pack.anchor[first + i * w], v0 = pack.anchor_rates[first + i * w];
+    const double q1 = at(c, x, work_.inputs), v1 = at(c, rate, work_.input_rates);
+    for (std::size_t p = 0; p < BoxTest::kPostures; ++p) {
+      const double t = kAlongTheTube[p], s = 1 - t, end = t * t * (3 - 2 * t), begin = 1 - end;
+      row(c)[p] = begin * q0 + end * q1 + seconds * t * s * (s * v0 - t * v1);
+    }
+  }
+  return blocks_.hold_one_solution(b, {work_.lanes, lane, pack.coefficients.data(), work_.jacobian.data()},
+                                   there_.data(), there_inputs_.data());
 }
 
 // Makes the posture the anchor of the next steps in the lanes of changes_. Fails if it is so close to a singular
@@ -141,9 +138,8 @@ Status BranchGuard::check_first_correction(const Pack& pack) {
     for (int l = 0; l < pack.used; ++l) {
       if (is_near(pack, b, l)) continue;
       work_.evaluator->scale(work_.scale.data());
-      const bool one = blocks_.invert(b, l, work_.jacobian.data()) &&
-                       blocks_.holds_one_solution(b, l, work_.jacobian.data(), work_.jacobian.data(), work_.phi.data(),
-                                                  work_.scale.data(), pack.coefficients.data());
+      const bool one = blocks_.holds_one_solution(b, {work_.lanes, l, pack.coefficients.data(), work_.jacobian.data()},
+                                                  work_.phi.data(), work_.scale.data());
       const std::size_t at = idx(b * work_.lanes + l);
       if (!one) {
         return pack.failed(Code::branch_unknown, pack.omega[at] * work_.correction[at] / (1 - pack.ball_used[at]), l);

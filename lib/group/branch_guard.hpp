@@ -49,7 +49,7 @@ class BranchGuard {
   Workspace& work_;
   JacobianSolver& solver_;
   BlockConditions blocks_;
-  LaneArray there_, there_inputs_, there_phi_, there_jacobian_;  // of a posture of a tube
+  LaneArray there_, there_inputs_;     // postures of a tube: n x 4, inputs x 4
   LaneArray omega_, posture_errors_;                             // W: of one block
   LaneArray used_;                                               // W: part of the ball, of one block
   std::vector<std::uint8_t> changes_;                            // W: the anchor of this block

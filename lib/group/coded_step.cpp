@@ -30,7 +30,7 @@ class CodedStep final : public SmallStep {
 
   const Workspace& work_;
   std::shared_ptr<const Executor> code_, anchors_;  // null: of a class step
-  std::array<LaneArray, 3> inputs_;  // [d]: d-th derivatives of the inputs, inputs x W
+  std::array<LaneArray, 3> inputs_;                 // [d]: d-th derivatives of the inputs, inputs x W
   std::array<double, kGroupSettings> settings_{};
   LaneArray values_, figures_;  // memory of the code, rows x W
   std::array<double*, kMemories> memory_{};

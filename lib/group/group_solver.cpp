@@ -157,7 +157,8 @@ bool GroupSolver::class_step(Pack& pack, double* const (&state)[3], const Attemp
                              StepErrors& errors, Status& status) {
   const bool is_wanted = attempt.branch == Attempt::Branch::inside && serves(attempt) &&
                          !(attempt.all_rates && work_.group_class.first_wanted > 0);
-  if (!is_wanted || !pack.machine_code.step || !lanes::eliminates_by(*solver_.at_hand(), pack.eliminates.get())) return false;
+  if (!is_wanted || !pack.machine_code.step || !lanes::eliminates_by(*solver_.at_hand(), pack.eliminates.get()))
+    return false;
   double* const x = state[0] + pack.unknowns;
   std::copy_n(x, predicted_.size(), predicted_.begin());
   SmallStepFigures figures{errors.position, errors.velocity, errors.acceleration};
@@ -225,8 +226,8 @@ Status GroupSolver::finish_small_step(Pack& pack, double* const (&state)[3], con
                                       StepErrors& errors) {
   count_small_step(pack, figures.iterations, counters);
   const bool is_measured = figures.position > std::max(errors.position, kConverged);
-  errors.position = !is_measured ? figures.position
-                                 : std::max(errors.position, step_.residual_of(pack, state[0], figures.weights));
+  errors.position =
+      !is_measured ? figures.position : std::max(errors.position, step_.residual_of(pack, state[0], figures.weights));
   errors.velocity = figures.velocity;
   errors.acceleration = figures.acceleration;
   pack.keep_use(attempt.number);

@@ -116,9 +116,9 @@ class GroupSolver {
   bool is_coded_ = false;
   std::unique_ptr<SmallStep> class_step_;  // null if the class or the strategy allows none
   StepCode* code_ = nullptr;               // makes Pack::machine_code
-  std::vector<std::uint8_t> is_kept_;  // W: lanes whose results are kept_
-  LaneArray predicted_;                // unknowns before the step, n x W
-  LaneArray omega_, most_;             // W: see solve_in_lanes() and class_step()
+  std::vector<std::uint8_t> is_kept_;      // W: lanes whose results are kept_
+  LaneArray predicted_;                    // unknowns before the step, n x W
+  LaneArray omega_, most_;                 // W: see solve_in_lanes() and class_step()
 };
 
 }  // namespace assur

@@ -250,8 +250,8 @@ class Writer {
     s.failed = s.failed + (s.relative - s.relative);
     s.iterations = s.iterations + s.active;
     const Value solved = at_most(s.relative, setting(GroupSetting::converged_at));
-    const Value is_rounding = at_most(s.relative, Value::set(kRoundingLevel)) *
-                              exceeds(s.relative, Value::set(0.25) * before);
+    const Value is_rounding =
+        at_most(s.relative, Value::set(kRoundingLevel)) * exceeds(s.relative, Value::set(0.25) * before);
     s.active = if_at_most(solved + is_rounding, kNone, s.active, kNone);
     const Value is_last = at_most(setting(GroupSetting::most_iterations), s.iterations);
     s.failed = s.failed + s.active * is_last;
@@ -364,8 +364,12 @@ class Writer {
     graph_.store(slot_of(GroupFigure::iterations), s.iterations);
   }
   [[nodiscard]] State recall() {
-    State s{Values(n_), Values(n_), graph_.load(work(kRelative)), graph_.load(work(kActive)),
-            graph_.load(work(kFailed)), graph_.load(slot_of(GroupFigure::iterations))};
+    State s{Values(n_),
+            Values(n_),
+            graph_.load(work(kRelative)),
+            graph_.load(work(kActive)),
+            graph_.load(work(kFailed)),
+            graph_.load(slot_of(GroupFigure::iterations))};
     for (std::size_t j = 0; j < n_; ++j) {
       s.weight[j] = graph_.load(slot(Memory::work, j));
       s.x[j] = graph_.load(slot(Memory::work, n_ + j));
@@ -383,9 +387,7 @@ class Writer {
 
 }  // namespace
 
-bool has_class_step(const GroupClass& c) {
-  return c.n > 0 && c.quadratic && c.blocks == 1 && !has_group_step(c);
-}
+bool has_class_step(const GroupClass& c) { return c.n > 0 && c.quadratic && c.blocks == 1 && !has_group_step(c); }
 
 // The step factorises four times; a product is two numbers.
 bool is_short(const lanes::Elimination& elimination, std::size_t most) {

@@ -20,14 +20,14 @@ namespace assur {
 // False if its programs are certainly longer than `most` instructions.
 [[nodiscard]] bool is_short(const lanes::Elimination& elimination, std::size_t most);
 
-// Numbers in Memory::work. It begins with the reciprocal scales of the equations; the last number is the largest entry of
-// Newton's first correction, which the caller must test, see BranchGuard.
+// Numbers in Memory::work. It begins with the reciprocal scales of the equations; the last number is the largest entry
+// of Newton's first correction, which the caller must test, see BranchGuard.
 [[nodiscard]] constexpr std::size_t work_of_class_step(const GroupClass& group_class) {
   return 2 * static_cast<std::size_t>(group_class.n) + 5;
 }
 
-// reads: see group_step(). Memory::unknowns holds the prediction, and then the solution. GroupFigure::failed is positive
-// where the step is unusual; results are then unspecified.
+// reads: see group_step(). Memory::unknowns holds the prediction, and then the solution. GroupFigure::failed is
+// positive where the step is unusual; results are then unspecified.
 [[nodiscard]] StepProgram class_step(const GroupClass& group_class, const Program& equations,
                                      const lanes::Elimination& elimination, std::span<const std::int32_t> reads);
 
