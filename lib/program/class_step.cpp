@@ -1,7 +1,6 @@
 #include "program/class_step.hpp"
 
 #include <cstddef>
-#include <optional>
 #include <utility>
 #include <vector>
 
@@ -167,19 +166,20 @@ class Writer {
          std::span<const std::int32_t> reads)
       : class_(group_class), p_(equations), reads_(reads), n_(idx(equations.n)), linear_(p_.pattern, elimination) {}
 
+  // As many steps take one correction as two, so the end is a phase of its own.
   [[nodiscard]] StepProgram step() {
     StepProgram out;
-    const auto add = [&](std::optional<Slot> repeat_while) {
+    const auto add = [&] {
       out.phases.push_back(graph_.phase());
-      out.phases.back().repeat_while = repeat_while;
       graph_ = {};
     };
     begin();
-    add({});
+    add();
     iterate();
-    add(work(kActive));
-    finish_late();
-    add(work(kIsOpen));
+    add();
+    out.phases.back().repeat_while = work(kActive);
+    finish();
+    add();
     return out;
   }
 
@@ -212,7 +212,7 @@ class Writer {
 
  private:
   // Places in Memory::work: reciprocal scales, unknowns, then numbers of the lane.
-  enum Number : std::uint32_t { kActive, kFailed, kRelative, kIsOpen, kFirst };
+  enum Number : std::uint32_t { kActive, kFailed, kRelative, kFirst };
   struct State {
     Values x, weight;
     Value relative, active, failed, iterations;  // as in SmallGroup
@@ -280,8 +280,6 @@ class Writer {
     s.active = exceeds(s.relative, setting(GroupSetting::converged_at));
     correct(equations, s, phi, jacobian, true);
     keep(s);
-    graph_.store(work(kIsOpen), s.active);
-    finish(equations, s, jacobian);
   }
 
   void iterate() {
@@ -306,19 +304,14 @@ class Writer {
     keep(s);
   }
 
-  void finish_late() {
+  // Velocity and acceleration with the Jacobian of the solved posture, and the branch test.
+  void finish() {
     Equations equations(p_);
     equations.set_inputs(coefficients(), inputs(0));
     const State s = recall();
     Values phi, jacobian;
     evaluate(equations, s.x, phi, jacobian);
-    graph_.store(work(kIsOpen), kNone);
-    finish(equations, s, jacobian);
-  }
-
-  // Velocity and acceleration with the Jacobian of the solved posture, and the branch test.
-  void finish(Equations& equations, const State& s, const Values& jacobian) {
-    Value failed = s.failed + s.active;
+    Value failed = s.failed;
     Value residuals[] = {Value::set(-1), Value::set(-1)};  // not computed
     const int derivatives = class_.derivatives;
     if (derivatives > 0) failed = failed + linear_.factorize(jacobian);
@@ -389,9 +382,9 @@ class Writer {
 
 bool has_class_step(const GroupClass& c) { return c.n > 0 && c.quadratic && c.blocks == 1 && !has_group_step(c); }
 
-// The step factorises four times; a product is two numbers.
+// The step factorises three times; a product is two numbers.
 bool is_short(const lanes::Elimination& elimination, std::size_t most) {
-  return 4 * elimination.factor.size() / 2 <= most;
+  return 3 * elimination.factor.size() / 2 <= most;
 }
 
 StepProgram class_step(const GroupClass& group_class, const Program& equations, const lanes::Elimination& elimination,

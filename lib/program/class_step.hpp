@@ -23,7 +23,7 @@ namespace assur {
 // Numbers in Memory::work. It begins with the reciprocal scales of the equations; the last number is the largest entry
 // of Newton's first correction, which the caller must test, see BranchGuard.
 [[nodiscard]] constexpr std::size_t work_of_class_step(const GroupClass& group_class) {
-  return 2 * static_cast<std::size_t>(group_class.n) + 5;
+  return 2 * static_cast<std::size_t>(group_class.n) + 4;
 }
 
 // reads: see group_step(). Memory::unknowns holds the prediction, and then the solution. GroupFigure::failed is
