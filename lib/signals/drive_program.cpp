@@ -200,7 +200,7 @@ LawOutline DriveProgram::law_outline() const {
 
 void DriveProgram::use(StepCode& code) {
   constexpr std::size_t kLeast = 100;  // instructions of a block with harmonics
-  if (laws_ == 0 || !others_.empty() || kLeast * harmonics_.size() > kMostInstructions) return;
+  if (laws_ == 0 || kLeast * harmonics_.size() > kMostInstructions) return;
   const LawOutline outline = law_outline();
   LawStep step = law_step(outline);
   code_ = code.of(step.program, outline.lanes);
@@ -226,7 +226,17 @@ bool DriveProgram::evaluate_by_code(double t) {
 }
 
 void DriveProgram::evaluate(double t) {
-  if (evaluate_by_code(t)) return;
+  if (!evaluate_by_code(t)) evaluate_by_kernels(t);
+  for (Other& o : others_) {
+    if (held_[idx(o.slot)] != 0) continue;
+    o.to = {t, std::visit([&](const auto& part) { return law_detail::evaluate(part, t); }, *o.part)};
+    add(o.slot, o.to.motion, scale_[idx(o.slot)]);
+    knows_sines_ = false;
+  }
+}
+
+// Harmonics and polynomials.
+void DriveProgram::evaluate_by_kernels(double t) {
   knows_sines_ = false;
   const std::size_t size = base_.size();
   double *value = jets_[0].data(), *rate = jets_[1].data(), *acceleration = jets_[2].data();
@@ -237,19 +247,15 @@ void DriveProgram::evaluate(double t) {
   if (!harmonics_.empty()) {
     kernels_->add_harmonics(harmonics_.data(), harmonics_.size(), t, value, rate, acceleration);
   }
-  const auto add = [&](std::int32_t slot, const Motion& m, double scale) {
-    value[slot] += m.value * scale;
-    rate[slot] += m.rate * scale;
-    acceleration[slot] += m.acceleration * scale;
-  };
   for (const Polynomial& p : polynomials_) {
     add(p.slot, law_detail::horner({coefficients_.data() + p.begin, coefficients_.data() + p.end}, t), 1);
   }
-  for (Other& o : others_) {
-    if (held_[idx(o.slot)] != 0) continue;
-    o.to = {t, std::visit([&](const auto& part) { return law_detail::evaluate(part, t); }, *o.part)};
-    add(o.slot, o.to.motion, scale_[idx(o.slot)]);
-  }
+}
+
+void DriveProgram::add(std::int32_t slot, const Motion& m, double scale) {
+  jets_[0][idx(slot)] += m.value * scale;
+  jets_[1][idx(slot)] += m.rate * scale;
+  jets_[2][idx(slot)] += m.acceleration * scale;
 }
 
 void DriveProgram::replace(std::int32_t slot, const Motion& motion) {

@@ -41,7 +41,7 @@ class DriveProgram {
     held_laws_ += static_cast<int>(held) - now;
     now = held ? 1 : 0;
   }
-  // Evaluates the laws by machine code, if there is some for them.
+  // Evaluates harmonics and polynomials by machine code, if there is some for them. Tables and functions stay calls.
   void use(StepCode& code);
 
   // Evaluates all laws at time t.
@@ -144,6 +144,8 @@ class DriveProgram {
   void compute_bows(double from, double to);
   [[nodiscard]] LawOutline law_outline() const;
   [[nodiscard]] bool evaluate_by_code(double t);
+  void evaluate_by_kernels(double t);
+  void add(std::int32_t slot, const Motion& motion, double scale);
   [[nodiscard]] static double bow_of_function(const Law::Function& law, Other& of, double from, double to);
   void add_slots(const System& system, const Driven& driven, bool angles);
   void add_law(std::int32_t slot, const Law& law);

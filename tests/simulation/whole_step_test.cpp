@@ -142,32 +142,43 @@ TEST_F(WholeStepTest, LeavesWhatIsUnusualToTheGeneralPath) {
 }
 
 // Driven coordinates by machine code and by kernels, also for angles that are too large for both.
-TEST_F(WholeStepTest, HasTheLawsOfTheKernels) {
-  for (const auto& file : test::shipped_files()) {
-    SCOPED_TRACE(file.string());
-    const Prepared prepared = prepare(read_scene(file));
-    const System& system = *prepared.structure->system;
-    DriveProgram by_kernels(system, all_driven(system)), by_code = by_kernels;
-    by_code.use(*code_);
-    for (const double t : {0.0, 0.1, 1.7, -3.4, 1e3, 1e5, 1e9}) {
-      std::vector<double> expected[3], found[3];
-      for (auto* all : {&expected, &found}) {
-        for (std::vector<double>& v : *all) v.assign(system.coordinates.size(), 0.0);
-      }
-      by_kernels.evaluate(t);
-      by_kernels.place({expected[0].data(), expected[1].data(), expected[2].data()});
-      by_code.evaluate(t);
-      by_code.place({found[0].data(), found[1].data(), found[2].data()});
-      EXPECT_EQ(by_kernels.defined(), by_code.defined());
-      for (std::size_t d = 0; d < 3; ++d) {
-        for (std::size_t i = 0; i < expected[d].size(); ++i) {
-          const bool both_nan = std::isnan(expected[d][i]) && std::isnan(found[d][i]);
-          EXPECT_TRUE(both_nan || test::same_bits(found[d][i], expected[d][i])) << t << ", " << d << ", " << i;
-        }
+void expect_the_same_laws(const Scene& scene, StepCode& code) {
+  const Prepared prepared = prepare(scene);
+  const System& system = *prepared.structure->system;
+  DriveProgram by_kernels(system, all_driven(system)), by_code = by_kernels;
+  by_code.use(code);
+  for (const double t : {0.0, 0.1, 1.7, -3.4, 1e3, 1e5, 1e9}) {
+    std::vector<double> expected[3], found[3];
+    for (auto* all : {&expected, &found}) {
+      for (std::vector<double>& v : *all) v.assign(system.coordinates.size(), 0.0);
+    }
+    by_kernels.evaluate(t);
+    by_kernels.place({expected[0].data(), expected[1].data(), expected[2].data()});
+    by_code.evaluate(t);
+    by_code.place({found[0].data(), found[1].data(), found[2].data()});
+    EXPECT_EQ(by_kernels.defined(), by_code.defined());
+    for (std::size_t d = 0; d < 3; ++d) {
+      for (std::size_t i = 0; i < expected[d].size(); ++i) {
+        const bool both_nan = std::isnan(expected[d][i]) && std::isnan(found[d][i]);
+        EXPECT_TRUE(both_nan || test::same_bits(found[d][i], expected[d][i])) << t << ", " << d << ", " << i;
       }
     }
   }
-  EXPECT_GT(code_->other_calls, 7 * 10);  // most of the files
+}
+
+TEST_F(WholeStepTest, HasTheLawsOfTheKernels) {
+  const auto with_table = [](const std::string&, const Law& law) {
+    return law + Law::table({0, 0.3, 1, 2.5}, {0, 0.01, -0.02, 0}, true);
+  };
+  for (const auto& file : test::shipped_files()) {
+    SCOPED_TRACE(file.string());
+    const Scene scene = read_scene(file);
+    for (const bool adds_tables : {false, true}) {
+      code_->other_calls = 0;
+      expect_the_same_laws(adds_tables ? scene.with_laws(with_table) : scene, *code_);
+      EXPECT_EQ(code_->other_calls, 7);
+    }
+  }
 }
 
 }  // namespace
