@@ -1,5 +1,6 @@
 #include "execute/step_code.hpp"
 
+#include <algorithm>
 #include <mutex>
 #include <utility>
 #include <vector>
@@ -16,11 +17,10 @@ constexpr std::size_t kMostKept = 64;  // steps of each kind; one has 8 kB of co
 template <class Key, class Code>
 class Recent {
  public:
+  [[nodiscard]] bool has(const Key& key, int lanes) const { return find(key, lanes) != entries_.end(); }
   template <class Make>
   Code of(const Key& key, int lanes, const Make& make) {
-    for (const Entry& e : entries_) {
-      if (e.lanes == lanes && e.key == key) return e.code;
-    }
+    if (const auto found = find(key, lanes); found != entries_.end()) return found->code;
     Entry made{key, lanes, make()};
     if (entries_.size() < kMostKept) return entries_.emplace_back(std::move(made)).code;
     oldest_ = (oldest_ + 1) % kMostKept;
@@ -33,6 +33,11 @@ class Recent {
     int lanes;
     Code code;
   };
+  [[nodiscard]] auto find(const Key& key, int lanes) const {
+    return std::find_if(entries_.begin(), entries_.end(),
+                        [&](const Entry& e) { return e.lanes == lanes && e.key == key; });
+  }
+
   std::vector<Entry> entries_;
   std::size_t oldest_ = kMostKept - 1;
 };
@@ -52,9 +57,11 @@ class SharedCode final : public StepCode {
     });
   }
   CodeOfClass of(const GroupClass& group_class, const Program& equations, const lanes::Elimination& elimination,
-                 std::span<const std::int32_t> reads, int lanes) override {
+                 std::span<const std::int32_t> reads, int lanes, bool makes) override {
     const std::lock_guard lock(mutex_);
-    return of_classes_.of({group_class, elimination}, lanes, [&]() -> CodeOfClass {
+    const std::pair key(group_class, elimination);
+    if (!makes && !of_classes_.has(key, lanes)) return {};
+    return of_classes_.of(key, lanes, [&]() -> CodeOfClass {
       if (!is_short(elimination, kMostInstructions)) return {};
       return {make(class_step(group_class, equations, elimination, reads), lanes),
               make(class_factors(group_class, equations, elimination), lanes),

@@ -85,7 +85,7 @@ Status GroupSolver::solve(Pack& pack, double* const (&state)[3], const Attempt& 
     if (small_step_) solve_in_lanes(pack, state, attempt, found);
   }
   errors.merge(found);
-  if (attempt.branch == Attempt::Branch::start) find_code(pack);
+  if (attempt.branch == Attempt::Branch::start) find_code(pack, attempt.makes_code);
   return searches ? Status{} : guard_.check(pack, state, attempt, counters);
 }
 
@@ -188,7 +188,7 @@ bool GroupSolver::is_near(const Pack& pack, const double* state, const double* f
 }
 
 // At the start, when the solver has chosen its pivots.
-void GroupSolver::find_code(Pack& pack) {
+void GroupSolver::find_code(Pack& pack, bool makes) {
   if (code_ == nullptr) return;
   auto elimination = lanes::elimination_of(*solver_.at_hand());
   if (pack.eliminates && elimination && *elimination == *pack.eliminates) {
@@ -198,7 +198,7 @@ void GroupSolver::find_code(Pack& pack) {
   pack.machine_code = {};
   if (elimination) {
     pack.machine_code =
-        code_->of(work_.group_class, work_.program, *elimination, guard_.blocks().reads(0), work_.lanes);
+        code_->of(work_.group_class, work_.program, *elimination, guard_.blocks().reads(0), work_.lanes, makes);
   }
   pack.eliminates = std::move(elimination);
 }

@@ -100,7 +100,7 @@ class GroupSolver {
   [[nodiscard]] bool class_step(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters,
                                 StepErrors& errors, Status& status);
   [[nodiscard]] bool is_near(const Pack& pack, const double* state, const double* first_correction);
-  void find_code(Pack& pack);
+  void find_code(Pack& pack, bool makes);
   void count_small_step(const Pack& pack, const double* iterations, Counters& counters) const;
   void solve_in_lanes(Pack& pack, double* const (&state)[3], const Attempt& attempt, StepErrors& errors);
   void keep(const Pack& pack, double* const (&state)[3]);

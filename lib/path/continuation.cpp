@@ -356,6 +356,7 @@ Attempt Continuation::usual_attempt(double t, Attempt::Branch branch, double con
   usual.converged = converged;
   usual.time = t;
   usual.all_rates = expands_;
+  usual.makes_code = std::isnan(selected_at_);
   return usual;
 }
 

@@ -349,6 +349,7 @@ Status Tile::solve_packs(std::span<const double> times, Attempt::Branch branch, 
     attempt.time = times[0];  // steps have the same length in every lane
     attempt.iterations = pack.level > 0 && branch == Attempt::Branch::inside ? limits_.iterations : 0;
     attempt.most_iterations = limits_.most_iterations;
+    attempt.makes_code = true;
     GroupSolver& solver = *layout_.solvers[idx(pack.group_class)];
     const Status s = solver.solve(pack, q, attempt, counters_, errors);
     if (!s.ok()) return {s.code, Place::lane(s.where.index), s.figure};  // the groups of a pack are the lanes

@@ -34,8 +34,8 @@ class CountingCode final : public StepCode {
     return out;
   }
   CodeOfClass of(const GroupClass& group_class, const Program& equations, const lanes::Elimination& elimination,
-                 std::span<const std::int32_t> reads, int lanes) override {
-    CodeOfClass out = code_->of(group_class, equations, elimination, reads, lanes);
+                 std::span<const std::int32_t> reads, int lanes, bool makes) override {
+    CodeOfClass out = code_->of(group_class, equations, elimination, reads, lanes, makes);
     if (out.step) out.step = std::make_shared<Counting>(out.step, calls_of_classes);
     if (out.changes) out.changes = std::make_shared<Counting>(out.changes, changes);
     return out;
