@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <mutex>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -18,10 +19,13 @@ template <class Key, class Code>
 class Recent {
  public:
   [[nodiscard]] bool has(const Key& key, int lanes) const { return find(key, lanes) != entries_.end(); }
+  // make(): none if there is no time for it
   template <class Make>
   Code of(const Key& key, int lanes, const Make& make) {
     if (const auto found = find(key, lanes); found != entries_.end()) return found->code;
-    Entry made{key, lanes, make()};
+    std::optional<Code> code = make();
+    if (!code) return {};
+    Entry made{key, lanes, std::move(*code)};
     if (entries_.size() < kMostKept) return entries_.emplace_back(std::move(made)).code;
     oldest_ = (oldest_ + 1) % kMostKept;
     return (entries_[oldest_] = std::move(made)).code;
@@ -42,49 +46,72 @@ class Recent {
   std::size_t oldest_ = kMostKept - 1;
 };
 
+// All codes of a process.
+struct Codes {
+  explicit Codes(VectorCode its_vectors) : vectors(its_vectors) {}
+
+  const VectorCode vectors;
+  std::mutex mutex;
+  Recent<GroupClass, CodeOfStep> of_groups;
+  Recent<std::pair<GroupClass, lanes::Elimination>, CodeOfClass> of_classes;
+  Recent<StepProgram, std::shared_ptr<const Executor>> of_programs;
+};
+
+// Their user, which may make some more.
 class SharedCode final : public StepCode {
  public:
-  explicit SharedCode(VectorCode vectors) : vectors_(vectors) {}
+  explicit SharedCode(Codes& all) : all_(all) {}
 
-  [[nodiscard]] std::string vectors() const override { return vectors_ == VectorCode::avx512 ? "AVX-512" : "AVX2"; }
+  [[nodiscard]] std::string vectors() const override {
+    return all_.vectors == VectorCode::avx512 ? "AVX-512" : "AVX2";
+  }
 
   CodeOfStep of(const GroupClass& group_class, const Program& equations, std::span<const std::int32_t> reads,
                 int lanes) override {
-    const std::lock_guard lock(mutex_);
-    return of_groups_.of(group_class, lanes, [&] {
+    const std::lock_guard lock(all_.mutex);
+    return all_.of_groups.of(group_class, lanes, [&]() -> std::optional<CodeOfStep> {
+      if (left_ == 0) return std::nullopt;
       const GroupProgram step = group_step(group_class, equations, reads);
-      return CodeOfStep{make(step.program, lanes), step.work};
+      auto executor = make(step.program, lanes);
+      if (!executor) return std::nullopt;
+      return CodeOfStep{std::move(*executor), step.work};
     });
   }
   CodeOfClass of(const GroupClass& group_class, const Program& equations, const lanes::Elimination& elimination,
                  std::span<const std::int32_t> reads, int lanes, bool makes) override {
-    const std::lock_guard lock(mutex_);
-    const std::pair key(group_class, elimination);
-    if (!makes && !of_classes_.has(key, lanes)) return {};
-    return of_classes_.of(key, lanes, [&]() -> CodeOfClass {
-      if (!is_short(elimination, kMostInstructions)) return {};
-      return {make(class_step(group_class, equations, elimination, reads), lanes),
-              make(class_factors(group_class, equations, elimination), lanes),
-              make(class_changes(group_class, equations, elimination), lanes)};
+    const std::lock_guard lock(all_.mutex);
+    return all_.of_classes.of({group_class, elimination}, lanes, [&]() -> std::optional<CodeOfClass> {
+      if (!makes || left_ == 0) return std::nullopt;
+      if (!is_short(elimination, kMostInstructions)) return CodeOfClass{};
+      auto step = make(class_step(group_class, equations, elimination, reads), lanes);
+      if (!step) return std::nullopt;
+      if (!*step) return CodeOfClass{};
+      auto factors = make(class_factors(group_class, equations, elimination), lanes);
+      auto changes = make(class_changes(group_class, equations, elimination), lanes);
+      return CodeOfClass{std::move(*step), factors.value_or(nullptr), changes.value_or(nullptr)};
     });
   }
   std::shared_ptr<const Executor> of(const StepProgram& program, int lanes) override {
-    const std::lock_guard lock(mutex_);
-    return of_programs_.of(program, lanes, [&] { return make(program, lanes); });
+    const std::lock_guard lock(all_.mutex);
+    return all_.of_programs.of(program, lanes, [&] { return make(program, lanes); });
   }
 
  private:
-  [[nodiscard]] std::shared_ptr<const Executor> make(const StepProgram& program, int lanes) const {
+  // None if it does not fit into what is left; null if it can have no code.
+  [[nodiscard]] std::optional<std::shared_ptr<const Executor>> make(const StepProgram& program, int lanes) {
     std::size_t instructions = 0;
     for (const Phase& phase : program.phases) instructions += phase.code.size();
-    return instructions <= kMostInstructions ? make_machine_code(program, lanes, vectors_) : nullptr;
+    if (instructions > kMostInstructions) return nullptr;
+    if (instructions > left_) {
+      left_ = 0;
+      return std::nullopt;
+    }
+    left_ -= instructions;
+    return make_machine_code(program, lanes, all_.vectors);
   }
 
-  VectorCode vectors_;
-  std::mutex mutex_;
-  Recent<GroupClass, CodeOfStep> of_groups_;
-  Recent<std::pair<GroupClass, lanes::Elimination>, CodeOfClass> of_classes_;
-  Recent<StepProgram, std::shared_ptr<const Executor>> of_programs_;
+  Codes& all_;
+  std::size_t left_ = kMostOfAll;  // instructions
 };
 
 // Tries a program with one instruction.
@@ -98,14 +125,14 @@ bool can_run(VectorCode vectors) {
 }  // namespace
 
 std::shared_ptr<StepCode> step_code() {
-  static const std::shared_ptr<StepCode> shared = [] {
-    std::shared_ptr<StepCode> out;
+  static const std::unique_ptr<Codes> all = [] {
+    std::unique_ptr<Codes> out;
     for (const VectorCode vectors : {VectorCode::avx512, VectorCode::avx2}) {
-      if (!out && can_run(vectors)) out = std::make_shared<SharedCode>(vectors);
+      if (!out && can_run(vectors)) out = std::make_unique<Codes>(vectors);
     }
     return out;
   }();
-  return shared;
+  return all ? std::make_shared<SharedCode>(*all) : nullptr;
 }
 
 }  // namespace assur

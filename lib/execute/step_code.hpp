@@ -16,6 +16,8 @@ namespace assur {
 
 // No code is made for longer steps; 1,000 instructions take about 0.5 ms.
 inline constexpr std::size_t kMostInstructions = 16'000;
+// Nor for more steps of a mechanism than these together have: about 20 ms.
+inline constexpr std::size_t kMostOfAll = 40'000;
 
 // Null: there is no code. work: numbers in Memory::work
 struct CodeOfStep {
@@ -47,7 +49,7 @@ class StepCode {
   [[nodiscard]] virtual std::shared_ptr<const Executor> of(const StepProgram& program, int lanes) = 0;
 };
 
-// The best vectors of this processor; null if it cannot run machine code, or if this build makes none. Needs the
+// Code for one mechanism, with the best vectors of this processor; null if it cannot run machine code, or if this build makes none. Needs the
 // library assur::assur.
 [[nodiscard]] std::shared_ptr<StepCode> step_code();
 

@@ -91,7 +91,15 @@ void Continuation::use(StepCode& code) {
   if (on_one_thread) whole_ = WholeStep::make(layout_, inputs_.program(), state_, code);
   if (whole_) return;  // what it does not solve is rare
   if (together_) together_->use(code);
-  for (const auto& solver : layout_.solvers) solver->use(code);
+  // Those with the most work first, as long as there is time for code.
+  std::vector<std::pair<double, GroupSolver*>> by_work;
+  for (const auto& solver : layout_.solvers) by_work.emplace_back(0.0, solver.get());
+  for (const Pack& pack : packs_) {
+    auto& [work, solver] = by_work[idx(pack.group_class)];
+    work += pack.used * std::pow(solver->program().n, 2);
+  }
+  std::stable_sort(by_work.begin(), by_work.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  for (const auto& [work, solver] : by_work) solver->use(code);
 }
 
 std::string Continuation::machine_code() const {

@@ -294,6 +294,30 @@ TEST(Executors, LoopOverManyLanes) {
   }
 }
 
+// The number k, `length` times added to a number in memory.
+StepProgram sum_program(double k, std::uint32_t length) {
+  Phase phase;
+  phase.constants = {k};
+  phase.code = {{Op::load, {}, {Memory::work, 0}}, {Op::constant, {0}, {}}};
+  for (std::uint32_t i = 0; i < length; ++i) phase.code.push_back({Op::add, {i == 0 ? 0 : i + 1, 1}, {}});
+  phase.stores = {{{Memory::work, 1}, length + 1}};
+  return {{phase}, {}};
+}
+
+// Machine code is not made for ever, but what there is serves all.
+TEST(StepCode, EndsWithTheTimeForIt) {
+  const auto code = step_code();
+  if (!code) GTEST_SKIP() << "this processor or this build has no machine code";
+  constexpr std::uint32_t kLength = 4'000;
+  constexpr std::size_t kFit = kMostOfAll / (kLength + 2);
+  for (std::size_t k = 0; k < kFit; ++k) EXPECT_NE(code->of(sum_program(1.0 + double(k), kLength), 1), nullptr);
+  EXPECT_EQ(code->of(sum_program(100, kLength), 1), nullptr);
+  EXPECT_EQ(code->of(sum_program(101, 1), 1), nullptr);
+  EXPECT_NE(code->of(sum_program(1, kLength), 1), nullptr);
+  EXPECT_NE(step_code()->of(sum_program(100, kLength), 1), nullptr);
+  EXPECT_NE(code->of(sum_program(100, kLength), 1), nullptr);
+}
+
 TEST(Executors, DeclineOperationsThatTheyLack) {
   Graph g;
   g.store({Memory::work, 0}, abs(g.load({Memory::work, 1})));
