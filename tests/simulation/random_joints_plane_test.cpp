@@ -4,6 +4,7 @@
 
 #include "simulation/random_count.hpp"
 #include "simulation/random_joints.hpp"
+#include "simulation/same_run.hpp"
 
 namespace assur {
 namespace {
@@ -379,6 +380,7 @@ TEST(RandomJoints, TreesInThePlaneMoveInClosedForm) {
         EXPECT_LE(groups[u], kind == "slider" || kind == "RPP" ? 2 : 1) << kind << ' ' << u;
       }
       tree.mechanism->expect_motion(scene);
+      (void)test::expect_same_by_code(scene, seed % 2 != 0 ? "irreducible/lanes" : "irreducible/lanes:4");
     } catch (const std::exception& e) {
       ADD_FAILURE() << e.what();
     }

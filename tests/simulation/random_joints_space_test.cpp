@@ -6,6 +6,7 @@
 #include "decompositions.hpp"
 #include "simulation/random_count.hpp"
 #include "simulation/random_joints.hpp"
+#include "simulation/same_run.hpp"
 
 namespace assur {
 namespace {
@@ -407,6 +408,7 @@ TEST(RandomJoints, ChainsAndLegsInSpaceMoveAsChosen) {
       for (const Redundancy& r : s.redundant) ADD_FAILURE() << "not redundant: " << r.dropped;
       (void)tree.mechanism->groups_of_units(s);
       tree.mechanism->expect_motion(scene);
+      (void)test::expect_same_by_code(scene, seed % 2 != 0 ? "irreducible/lanes" : "irreducible/lanes:4");
     } catch (const std::exception& e) {
       ADD_FAILURE() << e.what();
     }

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <string>
 
 #include "simulation/run.hpp"
 
@@ -68,6 +69,16 @@ inline void expect_same_rows(const Trajectory& a, const Trajectory& b) {
 inline void expect_same_run(const Result& a, const Result& b) {
   expect_same_rows(a.trajectory, b.trajectory);
   expect_same_report(a.report(), b.report());
+}
+
+// Rows and report by machine code and without it. Returns the report.
+inline Report expect_same_by_code(const Scene& scene, const std::string& strategy, const StepLimits& limits = {}) {
+  PrepareOptions by_code{.strategy = strategy}, without = by_code;
+  without.machine_code = false;
+  Simulator a(prepare(scene, by_code), limits), b(prepare(scene, without), limits);
+  expect_same_rows(a.run(), b.run());
+  expect_same_report(a.report(), b.report());
+  return a.report();
 }
 
 }  // namespace assur::test

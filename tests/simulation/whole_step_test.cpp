@@ -116,29 +116,19 @@ TEST_F(WholeStepTest, ServesLargerClasses) {
   }
 }
 
-// Rows and report by machine code and by kernels. Returns the report.
-Report expect_the_same(const Scene& scene, const StepLimits& limits) {
-  PrepareOptions by_kernels{.strategy = "irreducible/lanes"}, by_code = by_kernels;
-  by_kernels.machine_code = false;
-  Simulator a(prepare(scene, by_code), limits), b(prepare(scene, by_kernels), limits);
-  test::expect_same_rows(a.run(), b.run());
-  test::expect_same_report(a.report(), b.report());
-  return a.report();
-}
-
 TEST_F(WholeStepTest, LeavesWhatIsUnusualToTheGeneralPath) {
   const Scene scene = sample("slider_crank");
-  EXPECT_EQ(expect_the_same(scene, {}).counters.rejected, 0);
+  EXPECT_EQ(test::expect_same_by_code(scene, "irreducible/lanes").counters.rejected, 0);
   StepLimits few;
   few.most_iterations = 1;
-  EXPECT_GT(expect_the_same(scene.with_time({0, 1, 0.02}), few).counters.rejected, 0);
+  EXPECT_GT(test::expect_same_by_code(scene.with_time({0, 1, 0.02}), "irreducible/lanes", few).counters.rejected, 0);
   StepLimits fixed;
   fixed.iterations = 3;
-  EXPECT_TRUE(expect_the_same(scene, fixed).status.ok());
+  EXPECT_TRUE(test::expect_same_by_code(scene, "irreducible/lanes", fixed).status.ok());
   const auto overflows = [](const std::string&, const Law&) {
     return Law::harmonics({{1, 1, 0}}) + Law::polynomial({0, 0, 0, 0, 0, 0, 0, 0, 1e305});
   };
-  EXPECT_FALSE(expect_the_same(scene.with_time({0, 20, 0.5}).with_laws(overflows), {}).status.ok());
+  EXPECT_FALSE(test::expect_same_by_code(scene.with_time({0, 20, 0.5}).with_laws(overflows), "irreducible/lanes").status.ok());
 }
 
 // Driven coordinates by machine code and by kernels, also for angles that are too large for both.
