@@ -13,10 +13,11 @@ namespace {
 
 // omega E: see the header.
 constexpr double kMostBow = (1 - kBall) * (1 - kBall);
-// Steps that are this far from the limit, as a factor of the bows, need no new probes at every anchor.
-constexpr double kFar = 64;
-constexpr std::int64_t kRounds = 2;  // anchors of each block, on average, until the probes are measured again anyway
-constexpr double kGrown = 4;         // growth of omega of a block for which they are measured again
+// Steps that are this far from the limit, as a factor of the bows, need no new probes at every anchor: where omega grows
+// fourfold, the probes grow likewise.
+constexpr double kGrown = 4;         // growth of omega of a block for which the probes are measured again
+constexpr double kFar = kGrown * kGrown;
+constexpr std::int64_t kRounds = 2;  // anchors of each block, on average, until they are measured again anyway
 // Where an unknown rests although its inputs move, as at a dead centre, it will not rest for long.
 constexpr double kLeastFollowed = 0.25;
 
