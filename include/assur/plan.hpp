@@ -72,8 +72,8 @@ struct PrepareOptions {
   // Largest forward error (ErrorFigures) that any output may have, e.g. 1e-8; a larger value may save time. 0: as exact
   // as doubles allow. Steps with a larger estimated error carry Code::inaccurate; with 0, those above kDoubtfulError.
   double accuracy = 0;
-  // False: without the machine code that the backend `lanes` makes for groups of two and three unknowns when a
-  // simulator is made (docs/strategies.md). Results have the same bits. load_plan() does without.
+  // False: without the machine code that the backend `lanes` makes when a simulator is made (docs/strategies.md).
+  // Results have the same bits. load_plan() does without.
   bool machine_code = true;
 };
 
