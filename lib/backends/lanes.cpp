@@ -16,6 +16,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <typeinfo>
 #include <utility>
 #include <vector>
 
@@ -287,18 +288,27 @@ Figures LanesSolver::figures(int lane) const {
 
 }  // namespace
 
+namespace {
+
+// Null for other backends.
+const LanesSolver* as_lanes(const LinearSolver& solver) {
+  return typeid(solver) == typeid(LanesSolver) ? static_cast<const LanesSolver*>(&solver) : nullptr;
+}
+
+}  // namespace
+
 std::shared_ptr<const Elimination> elimination_of(const LinearSolver& solver) {
-  const auto* const of = dynamic_cast<const LanesSolver*>(&solver);
+  const LanesSolver* const of = as_lanes(solver);
   return of != nullptr && of->elimination() != nullptr ? *of->elimination() : nullptr;
 }
 
 bool eliminates_by(const LinearSolver& solver, const Elimination* elimination) {
-  const auto* const of = dynamic_cast<const LanesSolver*>(&solver);
+  const LanesSolver* const of = as_lanes(solver);
   return of != nullptr && of->elimination() != nullptr && of->elimination()->get() == elimination;
 }
 
 void count_factorizations(LinearSolver& solver, std::int64_t factorizations) {
-  if (auto* const of = dynamic_cast<LanesSolver*>(&solver)) of->count(factorizations);
+  if (as_lanes(solver) != nullptr) static_cast<LanesSolver&>(solver).count(factorizations);
 }
 
 std::string why_not(const Shape& shape, ThreadBudget budget) {

@@ -169,7 +169,7 @@ void add_run(CLI::App& app, Invocation& call) {
       ->type_name("C=X,Y");
   run.add_option("--strategy", o.strategy, "Solution strategy: auto (default), groups/klu, ...")->type_name("TEXT");
   add_names(run, "--without", o.without, "Backends that auto leaves out: lanes, klu, ...");
-  run.add_flag("--no-machine-code", o.no_machine_code, "Steps of small groups by compiled kernels");
+  run.add_flag("--no-machine-code", o.no_machine_code, "Steps without machine code, with the same bits");
   add_mode(run, o.mode);
   add_accuracy(run, o.accuracy);
   CLI::Option* ensemble =
