@@ -86,9 +86,11 @@ class SharedCode final : public StepCode {
       auto step = make(class_step(group_class, equations, elimination, reads), lanes);
       if (!step) return std::nullopt;
       if (!*step) return CodeOfClass{};
+      auto anchor = make(class_anchor(group_class, equations, elimination), lanes);
       auto factors = make(class_factors(group_class, equations, elimination), lanes);
       auto changes = make(class_changes(group_class, equations, elimination), lanes);
-      return CodeOfClass{std::move(*step), factors.value_or(nullptr), changes.value_or(nullptr)};
+      return CodeOfClass{std::move(*step), anchor.value_or(nullptr), factors.value_or(nullptr),
+                         changes.value_or(nullptr)};
     });
   }
   std::shared_ptr<const Executor> of(const StepProgram& program, int lanes) override {

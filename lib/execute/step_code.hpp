@@ -25,9 +25,9 @@ struct CodeOfStep {
   std::size_t work = 0;
 };
 
-// Of class_step(), class_factors() and class_changes(). Null: there is no code.
+// Of class_step() and so on. Null: there is no code.
 struct CodeOfClass {
-  std::shared_ptr<const Executor> step, factors, changes;
+  std::shared_ptr<const Executor> step, anchor, factors, changes;
 };
 
 class StepCode {

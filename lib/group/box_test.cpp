@@ -122,7 +122,7 @@ class BoxTestOf final : public BoxTest {
   const Program& p_;
   QuadraticEquations<L> equations_;
   Array phi_{idx(p_.n)}, scale_{idx(p_.n)}, defect_{idx(p_.n)}, radius_{idx(p_.n)}, moves_{idx(p_.n)};
-  Array change_{p_.entries.size()};            // of the Jacobian
+  Array change_{p_.entries.size()};           // of the Jacobian
   Array register_change_{idx(p_.registers)};  // in the box
 };
 

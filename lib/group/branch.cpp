@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "backends/backends.hpp"
 #include "index.hpp"
 #include "numbers.hpp"
 #include "program/step_rules.hpp"
@@ -51,8 +52,8 @@ bool invert_dense(double* a, double* out, std::int32_t n) {
 
 }  // namespace
 
-BlockConditions::BlockConditions(const GroupClass& group_class, const Program& p, int lanes)
-    : program_(p), lanes_(lanes), boxes_(make_box_test(p)) {
+BlockConditions::BlockConditions(const GroupClass& group_class, const Program& p, int lanes, bool by_solver)
+    : program_(p), lanes_(lanes), by_solver_(by_solver), boxes_(make_box_test(p)) {
   std::vector<std::int32_t> column(idx(p.n)), row(idx(p.n));  // of unknowns and equations, within their blocks
   std::vector<std::vector<std::int32_t>> unknowns(idx(p.blocks)), equations(idx(p.blocks));
   std::vector<std::vector<BoxTest::Entry>> entries(idx(p.blocks));
@@ -73,24 +74,21 @@ BlockConditions::BlockConditions(const GroupClass& group_class, const Program& p
   }
   unknown_start_ = entry_start_ = {0};
   std::int32_t largest = 0;
-  bool has_large = false;
+  bool needs_vector = false;
   for (std::int32_t b = 0; b < p.blocks; ++b) {
     unknowns_.insert(unknowns_.end(), unknowns[idx(b)].begin(), unknowns[idx(b)].end());
     equations_.insert(equations_.end(), equations[idx(b)].begin(), equations[idx(b)].end());
     entries_.insert(entries_.end(), entries[idx(b)].begin(), entries[idx(b)].end());
     unknown_start_.push_back(static_cast<std::int32_t>(unknowns_.size()));
     entry_start_.push_back(static_cast<std::int32_t>(entries_.size()));
-    if (size(b) <= kDenseInverse) {
-      largest = std::max(largest, size(b));
-    } else {
-      has_large = true;
-    }
+    if (!is_large(b)) largest = std::max(largest, size(b));
+    needs_vector = needs_vector || needs_solver(b);
   }
   matrix_.resize(idx(largest) * idx(largest));
   inverse_.resize(matrix_.size());
   inverted_.assign(matrix_.size(), kNan);
-  for (std::vector<double>* v : {&of_lipschitz_, &of_scale_}) v->resize(idx(largest));
-  if (has_large) vector_.resize(idx(p.n) * idx(lanes));
+  for (std::vector<double>* v : {&of_lipschitz_, &of_scale_}) v->resize(idx(largest) * idx(lanes));
+  if (needs_vector) vector_.resize(kRightSides * idx(p.n) * idx(lanes));
   find_reads(group_class);
 }
 
@@ -121,7 +119,7 @@ void BlockConditions::find_reads(const GroupClass& c) {
   }
 }
 
-bool BlockConditions::needs_solver(std::int32_t b) const { return size(b) > kDenseInverse; }
+bool BlockConditions::is_large(std::int32_t b) const { return size(b) > kDenseInverse; }
 
 std::span<const std::int32_t> BlockConditions::unknowns(std::int32_t b) const {
   return {unknowns_.data() + unknown_start_[idx(b)], idx(size(b))};
@@ -148,20 +146,74 @@ bool BlockConditions::invert_matrix(std::int32_t n) {
 
 void BlockConditions::measure(std::int32_t b, const double* jacobian, const Weights& weights, LinearSolver* solver,
                               const Norms& norms, std::span<const std::uint8_t> lanes) {
-  if (!needs_solver(b)) {
+  if (is_large(b)) {
+    sparse_norms(b, weights.lipschitz, *solver, norms.omega);
     for (int w = 0; w < lanes_; ++w) {
-      if (lanes.empty() || lanes[idx(w)] != 0) dense_norms(b, w, jacobian, weights, norms);
+      double ratio = 0;
+      for (const std::int32_t r : equations(b)) {
+        const double k = weights.lipschitz[r * lanes_ + w];
+        if (k > 0) ratio = std::max(ratio, weights.scale[r * lanes_ + w] / k);
+      }
+      norms.scale[w] = norms.omega[w] * ratio;
     }
     return;
   }
-  sparse_norms(b, weights.lipschitz, *solver, norms.omega);
+  const bool by_solver = needs_solver(b, jacobian, lanes);
   for (int w = 0; w < lanes_; ++w) {
-    double ratio = 0;
-    for (const std::int32_t r : equations(b)) {
-      const double k = weights.lipschitz[r * lanes_ + w];
-      if (k > 0) ratio = std::max(ratio, weights.scale[r * lanes_ + w] / k);
+    if (!lanes.empty() && lanes[idx(w)] == 0) continue;
+    if (!by_solver || has_inverse(b, w, jacobian)) dense_norms(b, w, jacobian, weights, norms);
+  }
+  if (by_solver) norms_by_solver(b, weights, *solver, norms, jacobian, lanes);
+}
+
+bool BlockConditions::needs_solver(std::int32_t b, const double* jacobian, std::span<const std::uint8_t> lanes) {
+  if (is_large(b) || !needs_solver(b)) return is_large(b);
+  for (int w = 0; w < lanes_; ++w) {
+    if ((lanes.empty() || lanes[idx(w)] != 0) && !has_inverse(b, w, jacobian)) return true;
+  }
+  return false;
+}
+
+bool BlockConditions::has_inverse(std::int32_t b, int lane, const double* jacobian) {
+  if (std::isnan(inverted_[0])) return false;
+  extract(jacobian, b, lane, matrix_);
+  return std::equal(matrix_.begin(), matrix_.begin() + std::ptrdiff_t{size(b)} * size(b), inverted_.begin());
+}
+
+// For the lanes that have no inverse.
+void BlockConditions::norms_by_solver(std::int32_t b, const Weights& weights, LinearSolver& solver, const Norms& norms,
+                                      const double* jacobian, std::span<const std::uint8_t> lanes) {
+  const auto rows = equations(b), columns = unknowns(b);
+  const std::size_t w = idx(lanes_), n = idx(program_.n) * w;  // n: of a right-hand side
+  for (std::vector<double>* v : {&of_lipschitz_, &of_scale_}) std::fill_n(v->begin(), rows.size() * w, 0.0);
+  for (std::size_t first = 0; first < rows.size(); first += kRightSides) {
+    const std::size_t some = std::min<std::size_t>(kRightSides, rows.size() - first);
+    std::fill_n(vector_.begin(), some * n, 0.0);
+    for (std::size_t k = 0; k < some; ++k) std::fill_n(vector_.data() + k * n + idx(rows[first + k]) * w, w, 1.0);
+    (void)solver.solve(std::span(vector_).first(some * n), static_cast<int>(some));  // NaN where a lane is singular
+    for (std::size_t k = 0; k < some; ++k) {
+      const std::size_t row = idx(rows[first + k]) * w;
+      for (std::size_t r = 0; r < columns.size(); ++r) {
+        const double* const entries = vector_.data() + k * n + idx(columns[r]) * w;
+        for (std::size_t l = 0; l < w; ++l) {
+          of_lipschitz_[r * w + l] += std::abs(entries[l]) * weights.lipschitz[row + l];
+          of_scale_[r * w + l] += std::abs(entries[l]) * weights.scale[row + l];
+        }
+      }
     }
-    norms.scale[w] = norms.omega[w] * ratio;
+  }
+  for (int l = 0; l < lanes_; ++l) {
+    if ((!lanes.empty() && lanes[idx(l)] == 0) || has_inverse(b, l, jacobian)) continue;
+    const auto largest = [&](const std::vector<double>& numbers) {
+      double most = 0, sum = 0;
+      for (std::size_t r = 0; r < columns.size(); ++r) {
+        most = std::max(most, numbers[r * w + idx(l)]);
+        sum += numbers[r * w + idx(l)];
+      }
+      return std::isfinite(sum) ? most : kInfinity;
+    };
+    norms.omega[l] = largest(of_lipschitz_);
+    norms.scale[l] = largest(of_scale_);
   }
 }
 
@@ -192,7 +244,7 @@ void BlockConditions::dense_norms(std::int32_t b, int lane, const double* jacobi
 }
 
 bool BlockConditions::invert(std::int32_t b, const BoxTest::Lane& of) {
-  if (needs_solver(b)) return false;
+  if (is_large(b)) return false;
   extract(of.jacobian, b, of.lane, matrix_);
   return invert_matrix(size(b));
 }
@@ -220,15 +272,16 @@ bool BlockConditions::holds_one_solution(std::int32_t b, const BoxTest::Lane& of
 void BlockConditions::sparse_norms(std::int32_t b, const double* weights, LinearSolver& solver, double* norms) {
   const auto columns = unknowns(b), rows = equations(b);
   const std::int32_t n = size(b);
-  const auto at = [&](std::int32_t i, int w) -> double& { return vector_[idx(i * lanes_ + w)]; };
+  const std::span<double> vector = std::span(vector_).first(idx(program_.n) * idx(lanes_));
+  const auto at = [&](std::int32_t i, int w) -> double& { return vector[idx(i * lanes_ + w)]; };
   std::fill_n(norms, lanes_, 0.0);
   // Starts with the row of J^-1 D whose product with a vector of ones is largest.
-  std::fill(vector_.begin(), vector_.end(), 0.0);
+  std::fill(vector.begin(), vector.end(), 0.0);
   for (int w = 0; w < lanes_; ++w) {
     for (const std::int32_t r : rows) at(r, w) = weights[r * lanes_ + w];
   }
   for (int round = 0; round < kHagerRounds; ++round) {
-    if (!solver.solve(vector_, 1).ok()) break;
+    if (!solver.solve(vector, 1).ok()) break;
     for (int w = 0; w < lanes_; ++w) {
       std::int32_t worst = columns[0];
       for (const std::int32_t c : columns) {
@@ -237,7 +290,7 @@ void BlockConditions::sparse_norms(std::int32_t b, const double* weights, Linear
       for (std::int32_t i = 0; i < program_.n; ++i) at(i, w) = 0;
       at(worst, w) = 1;
     }
-    if (!solver.solve(vector_, 1, Transpose::yes).ok()) break;
+    if (!solver.solve(vector, 1, Transpose::yes).ok()) break;
     for (int w = 0; w < lanes_; ++w) {
       double sum = 0;
       for (std::int32_t k = 0; k < n; ++k) {

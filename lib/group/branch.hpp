@@ -25,13 +25,15 @@
 #include "assur/structure.hpp"
 #include "equations/program.hpp"
 #include "group/box_test.hpp"
+#include "numbers.hpp"
 
 namespace assur {
 
 // Conditions and uniqueness tests of the irreducible blocks of a class.
 class BlockConditions {
  public:
-  BlockConditions(const GroupClass& group_class, const Program& program, int lanes);
+  // by_solver: blocks of more than three unknowns are inverted by solutions of a LinearSolver
+  BlockConditions(const GroupClass& group_class, const Program& program, int lanes, bool by_solver = false);
 
   // Computes for one block, in every lane, omega = | |J^-1| k |_inf and | |J^-1| s |_inf with the scales s
   // (Evaluator::scale) of its equations. The second one times the relative residual is an error of the posture. Both
@@ -49,8 +51,16 @@ class BlockConditions {
   void measure(std::int32_t block, const double* jacobian, const Weights& weights, LinearSolver* solver,
                const Norms& norms, std::span<const std::uint8_t> lanes = {});
 
-  // True if the block is too large for a dense inverse.
-  [[nodiscard]] bool needs_solver(std::int32_t block) const;
+  // True if measure() may need a solver.
+  [[nodiscard]] bool needs_solver(std::int32_t block) const {
+    return is_large(block) || (by_solver_ && size(block) > 3);
+  }
+  // True if it needs one for these lanes: not if the test of a tube has left the inverse of this Jacobian.
+  [[nodiscard]] bool needs_solver(std::int32_t block, const double* jacobian, std::span<const std::uint8_t> lanes);
+  // To be called before the tests of a posture, so that earlier ones leave nothing.
+  void forget_inverse() {
+    if (!inverted_.empty()) inverted_[0] = kNan;
+  }
 
   // True if a box around each of four postures holds exactly one solution of a block. of.jacobian: of the posture at
   // the end of a tube, say, in whose inverse boxes are tested. False also if it is singular, or if the block has more
@@ -87,16 +97,22 @@ class BlockConditions {
   [[nodiscard]] bool hold(std::int32_t block, const BoxTest::Lane& of);
   [[nodiscard]] bool invert_matrix(std::int32_t n);
   void dense_norms(std::int32_t block, int lane, const double* jacobian, const Weights& weights, const Norms& norms);
+  // True if the block is too large for a dense inverse.
+  [[nodiscard]] bool is_large(std::int32_t block) const;
+  [[nodiscard]] bool has_inverse(std::int32_t block, int lane, const double* jacobian);
+  void norms_by_solver(std::int32_t block, const Weights& weights, LinearSolver& solver, const Norms& norms,
+                       const double* jacobian, std::span<const std::uint8_t> lanes);
   void sparse_norms(std::int32_t block, const double* weights, LinearSolver& solver, double* norms);
 
   const Program& program_;
   int lanes_;
+  bool by_solver_;
   std::vector<std::int32_t> unknown_start_, unknowns_;  // by block
   std::vector<std::int32_t> equations_;                 // by block, same starts
   std::vector<std::int32_t> entry_start_;               // by block
   std::vector<BoxTest::Entry> entries_;                 // column after column of each block
   std::vector<double> matrix_, inverse_, inverted_;     // largest dense block; inverted_: the matrix of inverse_
-  std::vector<double> of_lipschitz_, of_scale_;         // its unknowns
+  std::vector<double> of_lipschitz_, of_scale_;         // its unknowns x lanes
   std::unique_ptr<BoxTest> boxes_;
   std::vector<std::int32_t> reads_start_, reads_;  // by block
   std::vector<double> vector_;                     // n x lanes, if there are large blocks

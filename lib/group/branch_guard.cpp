@@ -3,13 +3,16 @@
 #include <algorithm>
 #include <cmath>
 
+#include "backends/small_steps.hpp"
 #include "numbers.hpp"
 #include "program/step_rules.hpp"
 
 namespace assur {
 
 BranchGuard::BranchGuard(Workspace& work, JacobianSolver& solver)
-    : work_(work), solver_(solver), blocks_(work.group_class, work.program, work.lanes) {
+    : work_(work),
+      solver_(solver),
+      blocks_(work.group_class, work.program, work.lanes, has_small_steps(solver.settings())) {
   there_.resize(idx(work_.program.n) * BoxTest::kPostures);
   there_inputs_.resize(idx(work_.program.inputs) * BoxTest::kPostures);
   for (LaneArray* v : {&omega_, &used_}) v->resize(idx(work_.lanes));
@@ -70,16 +73,21 @@ bool BranchGuard::tube_leads_here(const Pack& pack, double* const (&state)[3], s
 // Makes the posture the anchor of the next steps in the lanes of changes_. Fails if it is so close to a singular
 // posture that rounding decides about the branch.
 Status BranchGuard::set_anchor(Pack& pack, double* const (&state)[3], std::int32_t b, const Attempt& attempt,
-                               Counters& counters) {
+                               Counters& counters, const BlockConditions::Norms* known) {
   counters.branch_checks += std::count(changes_.begin(), changes_.begin() + pack.used, 1);
   const std::size_t w = idx(work_.lanes);
   using Factors = JacobianSolver::Factors;
-  if (blocks_.needs_solver(b) && solver_.factors() != Factors::solution) {
-    (void)solver_.factorize(pack, Factors::solution, counters);
+  if (known != nullptr) {
+    std::copy_n(known->omega, w, omega_.begin());
+    std::copy_n(known->scale, w, posture_errors_.begin());
+  } else {
+    if (solver_.factors() != Factors::solution && blocks_.needs_solver(b, work_.jacobian.data(), changes_)) {
+      (void)solver_.factorize(pack, Factors::solution, counters);
+    }
+    work_.evaluator->scale(work_.scale.data());
+    blocks_.measure(b, work_.jacobian.data(), {pack.lipschitz.data(), work_.scale.data()}, solver_.at_hand(),
+                    {omega_.data(), posture_errors_.data()}, changes_);
   }
-  work_.evaluator->scale(work_.scale.data());
-  blocks_.measure(b, work_.jacobian.data(), {pack.lipschitz.data(), work_.scale.data()}, solver_.at_hand(),
-                  {omega_.data(), posture_errors_.data()}, changes_);
   if (attempt.branch == Attempt::Branch::inside) {
     for (std::int32_t l = 0; l < pack.used; ++l) {
       if (changes_[idx(l)] == 0) continue;
@@ -155,8 +163,10 @@ bool BranchGuard::stays_inside(double used, double& before) {
   return lasts;
 }
 
-Status BranchGuard::check(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters) {
+Status BranchGuard::check(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters,
+                          const BlockConditions::Norms* known) {
   if (!work_.group_class.quadratic) return {};
+  blocks_.forget_inverse();
   const double* x = state[0] + pack.unknowns;
   pack.keep_use(attempt.number);
   for (std::int32_t b = 0; b < work_.program.blocks; ++b) {
@@ -170,7 +180,7 @@ Status BranchGuard::check(Pack& pack, double* const (&state)[3], const Attempt& 
       }
       if (std::find(changes_.begin(), changes_.end(), 1) == changes_.end()) continue;
     }
-    if (const Status s = set_anchor(pack, state, b, attempt, counters); !s.ok()) return s;
+    if (const Status s = set_anchor(pack, state, b, attempt, counters, known); !s.ok()) return s;
   }
   return {};
 }

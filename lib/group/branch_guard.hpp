@@ -29,7 +29,10 @@ class BranchGuard {
 
   // Tests the solved posture in the workspace, with its rates: ok if it is inside the ball, or if a tube leads to it.
   // Each lane decides for itself: if its ball is used up or was not measured yet, its posture becomes the anchor.
-  [[nodiscard]] Status check(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters);
+  // known: of a class with one block, what BlockConditions::measure() would find; the workspace then needs only the
+  // inputs, if no lane has left its ball
+  [[nodiscard]] Status check(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters,
+                             const BlockConditions::Norms* known = nullptr);
 
   // True if the next step of this length stays inside the ball, too; `before`, the used part of the ball, then becomes
   // `used`.
@@ -43,16 +46,16 @@ class BranchGuard {
   [[nodiscard]] bool tube_leads_here(const Pack& pack, double* const (&state)[3], std::int32_t block, int lane,
                                      double seconds);
   [[nodiscard]] Status set_anchor(Pack& pack, double* const (&state)[3], std::int32_t block, const Attempt& attempt,
-                                  Counters& counters);
+                                  Counters& counters, const BlockConditions::Norms* known);
   void move_anchor(Pack& pack, const double* const (&state)[3], std::int32_t block, std::size_t lane, double time);
 
   Workspace& work_;
   JacobianSolver& solver_;
   BlockConditions blocks_;
   LaneArray there_, there_inputs_;     // postures of a tube: n x 4, inputs x 4
-  LaneArray omega_, posture_errors_;                             // W: of one block
-  LaneArray used_;                                               // W: part of the ball, of one block
-  std::vector<std::uint8_t> changes_;                            // W: the anchor of this block
+  LaneArray omega_, posture_errors_;   // W: of one block
+  LaneArray used_;                     // W: part of the ball, of one block
+  std::vector<std::uint8_t> changes_;  // W: the anchor of this block
 };
 
 }  // namespace assur

@@ -156,6 +156,7 @@ bool GroupSolver::small_step(Pack& pack, double* const (&state)[3], const Attemp
 bool GroupSolver::class_step(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters,
                              StepErrors& errors, Status& status) {
   const bool is_wanted = attempt.branch == Attempt::Branch::inside && serves(attempt) &&
+                         work_.group_class.derivatives > 0 &&
                          !(attempt.all_rates && work_.group_class.first_wanted > 0);
   if (!is_wanted || !pack.machine_code.step || !lanes::eliminates_by(*solver_.at_hand(), pack.eliminates.get()))
     return false;
@@ -171,9 +172,7 @@ bool GroupSolver::class_step(Pack& pack, double* const (&state)[3], const Attemp
   const double most = *std::max_element(figures.iterations, figures.iterations + pack.used);
   std::fill(most_.begin(), most_.end(), most);
   figures.iterations = most_.data();
-  solver_.begin_step();
-  lanes::count_factorizations(*solver_.at_hand(),
-                              static_cast<std::int64_t>(most) + (work_.group_class.derivatives > 0 ? 1 : 0));
+  solver_.leave_to_program(static_cast<std::int64_t>(most) + 1);
   status = finish_small_step(pack, state, attempt, figures, *class_step_, counters, errors);
   return true;
 }
@@ -243,11 +242,16 @@ Status GroupSolver::finish_small_step(Pack& pack, double* const (&state)[3], con
     any = any || failed[l] > 0;
     counters.branch_checks += failed[l] > 0 ? 0 : 1;
   }
-  return any ? renew_anchor(pack, state, attempt, counters) : Status{};
+  return any ? renew_anchor(pack, state, attempt, counters, anchors.norms()) : Status{};
 }
 
-Status GroupSolver::renew_anchor(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters) {
+Status GroupSolver::renew_anchor(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters,
+                                 const BlockConditions::Norms* known) {
   pack.keep_anchor(attempt.number);
+  if (known != nullptr) {
+    work_.gather(pack, state[0], work_.inputs);
+    return guard_.check(pack, state, attempt, counters, known);
+  }
   work_.set_inputs(pack, state[0]);
   work_.evaluate(state[0] + pack.unknowns);
   return guard_.check(pack, state, attempt, counters);

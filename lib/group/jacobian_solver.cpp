@@ -74,8 +74,12 @@ Effort JacobianSolver::effort() const {
 }
 
 Status JacobianSolver::factorize(Pack& pack, Factors from, Counters& counters) {
-  counters.factorizations += pack.used;
-  counters.factorized_unknowns += std::int64_t{pack.used} * work_.program.n;
+  if (factors_ == Factors::program) {
+    lanes::count_factorizations(*solver_, -1);
+  } else {
+    counters.factorizations += pack.used;
+    counters.factorized_unknowns += std::int64_t{pack.used} * work_.program.n;
+  }
   const Status s = solver_->factorize(work_.jacobian);
   pack.factored = s.ok();
   factors_ = s.ok() ? from : Factors::earlier;

@@ -10,6 +10,7 @@
 #include "assur/backend.hpp"
 #include "assur/plan.hpp"
 #include "assur/report.hpp"
+#include "backends/lanes_elimination.hpp"
 #include "group/workspace.hpp"
 
 namespace assur {
@@ -22,6 +23,7 @@ class JacobianSolver {
     earlier,   // a posture of an earlier step; without Pack::factored there are no factors
     step,      // a posture within this step
     solution,  // the solved posture in the workspace
+    program,   // the same, but the program that solved it has kept them for itself
   };
 
   // Throws Error (environment) if the backend cannot run here.
@@ -40,9 +42,15 @@ class JacobianSolver {
 
   // To be called when a new step begins.
   void begin_step() { factors_ = Factors::earlier; }
+  // To be called when a program has taken a step in place of the solver `lanes`, with so many factorisations, the last
+  // of them at the solution.
+  void leave_to_program(std::int64_t factorizations) {
+    factors_ = Factors::program;
+    lanes::count_factorizations(*solver_, factorizations);
+  }
   [[nodiscard]] Factors factors() const { return factors_; }
 
-  // Factorises the workspace's Jacobian. from: step or solution.
+  // Factorises the workspace's Jacobian. from: step or solution. What a program factorised is not counted again.
   [[nodiscard]] Status factorize(Pack& pack, Factors from, Counters& counters);
   // The same without counting, outside of steps. False if it failed.
   [[nodiscard]] bool factorize(Pack& pack);

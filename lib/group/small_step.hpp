@@ -21,7 +21,7 @@ struct SmallStepFigures {
   const double* failed = nullptr;  // W: 0, or 1 where the general path must solve the step
   // Of a class step: reciprocal scales of the equations, n x W, and the largest entry of the first correction, W.
   const double *weights = nullptr, *first_correction = nullptr;
-  bool balls_last = true;           // no lane needs another anchor before its next step
+  bool balls_last = true;  // no lane needs another anchor before its next step
 };
 
 // What makes new anchors after a step.
@@ -32,6 +32,8 @@ class AnchorStep {
   // After a step of this pack in which no lane failed: see renew_anchors() (program/anchor-inl.hpp). time: of the step,
   // s. Returns W numbers, positive for lanes that need an anchor and have none.
   [[nodiscard]] virtual const double* renew_anchors(Pack& pack, double* const (&state)[3], double time) = 0;
+  // Of a class step, which makes no anchors: what BlockConditions::measure() would find at its posture. Null: unknown
+  [[nodiscard]] virtual const BlockConditions::Norms* norms() const { return nullptr; }
 };
 
 // The step of the packs of one class.
@@ -52,8 +54,8 @@ class SmallStep : public AnchorStep {
 // By machine code, for a class that has a group_step(). Null if there is none.
 [[nodiscard]] std::unique_ptr<SmallStep> make_coded_step(const Workspace& work, const BlockConditions& blocks,
                                                          StepCode& code);
-// Runs Pack::machine_code of a class that has a class_step(). Where a lane fails, all lanes must be solved again. The test
-// of the first correction and new anchors are left to the general path.
+// Runs Pack::machine_code of a class that has a class_step(). Where a lane fails, all lanes must be solved again. The
+// test of the first correction and new anchors are left to the general path.
 [[nodiscard]] std::unique_ptr<SmallStep> make_class_step(const Workspace& work);
 
 }  // namespace assur

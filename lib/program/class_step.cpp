@@ -210,6 +210,28 @@ class Writer {
     return {{graph_.phase()}, {}};
   }
 
+  [[nodiscard]] StepProgram anchor() {
+    Equations equations(p_);
+    Values phi, jacobian, scale(n_), of_lipschitz(n_), of_scale(n_);
+    evaluate(equations, predicted(equations), phi, jacobian);
+    equations.scale(coefficients(), into(scale));
+    GroupSlots io = slots();
+    io.store(Memory::figures, static_cast<std::size_t>(GroupFigure::failed), linear_.factorize(jacobian));
+    for (std::size_t e = 0; e < n_; ++e) {
+      Values unit(n_);
+      unit[e] = kAll;
+      const Values column = linear_.solve(unit);
+      const Value lipschitz = io.load(Memory::lipschitz, e);
+      for (std::size_t r = 0; r < n_; ++r) {
+        of_lipschitz[r] = of_lipschitz[r] + abs(column[r]) * lipschitz;
+        of_scale[r] = of_scale[r] + abs(column[r]) * scale[e];
+      }
+    }
+    io.store(Memory::work, 0, largest_of(of_lipschitz));
+    io.store(Memory::work, 1, largest_of(of_scale));
+    return {{graph_.phase()}, {}};
+  }
+
  private:
   // Places in Memory::work: reciprocal scales, unknowns, then numbers of the lane.
   enum Number : std::uint32_t { kActive, kFailed, kRelative, kFirst };
@@ -380,7 +402,14 @@ class Writer {
 
 }  // namespace
 
-bool has_class_step(const GroupClass& c) { return c.n > 0 && c.quadratic && c.blocks == 1 && !has_group_step(c); }
+bool has_class_step(const GroupClass& c) {
+  return c.n > 0 && c.quadratic && c.blocks == 1 && c.derivatives > 0 && !has_group_step(c);
+}
+
+StepProgram class_anchor(const GroupClass& group_class, const Program& equations,
+                         const lanes::Elimination& elimination) {
+  return Writer(group_class, equations, elimination, {}).anchor();
+}
 
 // The step factorises three times; a product is two numbers.
 bool is_short(const lanes::Elimination& elimination, std::size_t most) {

@@ -15,7 +15,7 @@
 
 namespace assur {
 
-// True for classes of quadratic equations in one irreducible block that have no group_step().
+// True for classes of quadratic equations in one irreducible block that have rates and no group_step().
 [[nodiscard]] bool has_class_step(const GroupClass& group_class);
 // False if its programs are certainly longer than `most` instructions.
 [[nodiscard]] bool is_short(const lanes::Elimination& elimination, std::size_t most);
@@ -38,7 +38,12 @@ namespace assur {
 // order: J dq = -Phi_h dh. GroupFigure::failed is raised.
 [[nodiscard]] StepProgram class_changes(const GroupClass& group_class, const Program& equations,
                                         const lanes::Elimination& elimination);
-// Numbers that both have in Memory::work, at most.
+// For a new anchor at a posture: | |J^-1| k |_inf with the Lipschitz constants k, and | |J^-1| s |_inf with the scales s
+// of the equations, as BlockConditions::measure() finds them, in Memory::work. GroupFigure::failed as above.
+[[nodiscard]] StepProgram class_anchor(const GroupClass& group_class, const Program& equations,
+                                       const lanes::Elimination& elimination);
+
+// Numbers that class_factors() and class_changes() have in Memory::work, at most.
 [[nodiscard]] std::size_t work_of_changes(const Program& equations);
 
 }  // namespace assur
