@@ -18,11 +18,12 @@ constexpr std::size_t kMostKept = 64;  // steps of each kind; one has 8 kB of co
 template <class Key, class Code>
 class Recent {
  public:
-  [[nodiscard]] bool has(const Key& key, int lanes) const { return find(key, lanes) != entries_.end(); }
   // make(): none if there is no time for it
   template <class Make>
   Code of(const Key& key, int lanes, const Make& make) {
-    if (const auto found = find(key, lanes); found != entries_.end()) return found->code;
+    const auto found = std::find_if(entries_.begin(), entries_.end(),
+                                    [&](const Entry& e) { return e.lanes == lanes && e.key == key; });
+    if (found != entries_.end()) return found->code;
     std::optional<Code> code = make();
     if (!code) return {};
     Entry made{key, lanes, std::move(*code)};
@@ -37,11 +38,6 @@ class Recent {
     int lanes;
     Code code;
   };
-  [[nodiscard]] auto find(const Key& key, int lanes) const {
-    return std::find_if(entries_.begin(), entries_.end(),
-                        [&](const Entry& e) { return e.lanes == lanes && e.key == key; });
-  }
-
   std::vector<Entry> entries_;
   std::size_t oldest_ = kMostKept - 1;
 };

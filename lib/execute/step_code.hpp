@@ -49,8 +49,8 @@ class StepCode {
   [[nodiscard]] virtual std::shared_ptr<const Executor> of(const StepProgram& program, int lanes) = 0;
 };
 
-// Code for one mechanism, with the best vectors of this processor; null if it cannot run machine code, or if this build makes none. Needs the
-// library assur::assur.
+// Code for one mechanism, with the best vectors of this processor. Null if it cannot run machine code, or if this build
+// makes none. Needs the library assur::assur.
 [[nodiscard]] std::shared_ptr<StepCode> step_code();
 
 }  // namespace assur

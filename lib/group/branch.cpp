@@ -50,6 +50,16 @@ bool invert_dense(double* a, double* out, std::int32_t n) {
   return true;
 }
 
+// The largest of n positive numbers of a lane; infinite if one of them, or their sum, is not finite.
+double largest_of(const std::vector<double>& numbers, std::size_t n, std::size_t lanes = 1, std::size_t lane = 0) {
+  double most = 0, sum = 0;
+  for (std::size_t i = lane; i < n * lanes; i += lanes) {
+    most = std::max(most, numbers[i]);
+    sum += numbers[i];
+  }
+  return std::isfinite(sum) ? most : kInfinity;
+}
+
 }  // namespace
 
 BlockConditions::BlockConditions(const GroupClass& group_class, const Program& p, int lanes, bool by_solver)
@@ -204,16 +214,8 @@ void BlockConditions::norms_by_solver(std::int32_t b, const Weights& weights, Li
   }
   for (int l = 0; l < lanes_; ++l) {
     if ((!lanes.empty() && lanes[idx(l)] == 0) || has_inverse(b, l, jacobian)) continue;
-    const auto largest = [&](const std::vector<double>& numbers) {
-      double most = 0, sum = 0;
-      for (std::size_t r = 0; r < columns.size(); ++r) {
-        most = std::max(most, numbers[r * w + idx(l)]);
-        sum += numbers[r * w + idx(l)];
-      }
-      return std::isfinite(sum) ? most : kInfinity;
-    };
-    norms.omega[l] = largest(of_lipschitz_);
-    norms.scale[l] = largest(of_scale_);
+    norms.omega[l] = largest_of(of_lipschitz_, columns.size(), w, idx(l));
+    norms.scale[l] = largest_of(of_scale_, columns.size(), w, idx(l));
   }
 }
 
@@ -234,13 +236,8 @@ void BlockConditions::dense_norms(std::int32_t b, int lane, const double* jacobi
       of_scale_[r] += std::abs(column[r]) * of_scale;
     }
   }
-  double omega = 0, scale = 0;
-  for (std::size_t r = 0; r < idx(n); ++r) {
-    omega = std::max(omega, of_lipschitz_[r]);
-    scale = std::max(scale, of_scale_[r]);
-  }
-  if (std::isfinite(omega)) norms.omega[lane] = omega;
-  if (std::isfinite(scale)) norms.scale[lane] = scale;
+  norms.omega[lane] = largest_of(of_lipschitz_, idx(n));
+  norms.scale[lane] = largest_of(of_scale_, idx(n));
 }
 
 bool BlockConditions::invert(std::int32_t b, const BoxTest::Lane& of) {

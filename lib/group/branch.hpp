@@ -115,7 +115,7 @@ class BlockConditions {
   std::vector<double> of_lipschitz_, of_scale_;         // its unknowns x lanes
   std::unique_ptr<BoxTest> boxes_;
   std::vector<std::int32_t> reads_start_, reads_;  // by block
-  std::vector<double> vector_;                     // n x lanes, if there are large blocks
+  std::vector<double> vector_;  // right-hand sides x n x lanes, if a block needs a solver
 };
 
 }  // namespace assur

@@ -156,7 +156,6 @@ bool GroupSolver::small_step(Pack& pack, double* const (&state)[3], const Attemp
 bool GroupSolver::class_step(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters,
                              StepErrors& errors, Status& status) {
   const bool is_wanted = attempt.branch == Attempt::Branch::inside && serves(attempt) &&
-                         work_.group_class.derivatives > 0 &&
                          !(attempt.all_rates && work_.group_class.first_wanted > 0);
   if (!is_wanted || !pack.machine_code.step || !lanes::eliminates_by(*solver_.at_hand(), pack.eliminates.get()))
     return false;
@@ -190,7 +189,8 @@ bool GroupSolver::is_near(const Pack& pack, const double* state, const double* f
 void GroupSolver::find_code(Pack& pack, bool makes) {
   if (code_ == nullptr) return;
   auto elimination = lanes::elimination_of(*solver_.at_hand());
-  if (pack.eliminates && elimination && *elimination == *pack.eliminates) {
+  const bool is_known = pack.eliminates && elimination && *elimination == *pack.eliminates;
+  if (is_known && (pack.machine_code.step || !makes)) {
     pack.eliminates = std::move(elimination);
     return;
   }

@@ -239,10 +239,12 @@ class Writer {
     Values x, weight;
     Value relative, active, failed, iterations;  // as in SmallGroup
   };
+
   [[nodiscard]] GroupSlots slots() { return {graph_, p_, std::uint16_t{0}}; }
   [[nodiscard]] static Slot slot(Memory memory, std::size_t i) { return {memory, static_cast<std::uint32_t>(i)}; }
   [[nodiscard]] Slot work(Number n) const { return slot(Memory::work, 2 * n_ + n); }
   [[nodiscard]] Value setting(GroupSetting s) { return slots().setting(s); }
+
   // Equations and Jacobian at x.
   void evaluate(Equations& equations, const Values& x, Values& phi, Values& jacobian) {
     for (std::size_t j = 0; j < n_; ++j) equations.values().set(j, x[j]);
