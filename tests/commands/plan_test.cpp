@@ -45,8 +45,13 @@ TEST(Plan, SaysHowStepsUseMachineCode) {
   const std::string long_chain = run_command({"plan", "four_bar:300", "--json"}).json()["machine_code"];
   EXPECT_EQ(long_chain.find("300 of 300 groups") != long_chain.npos, has_code) << long_chain;
   const std::string large = run_command({"plan", "bennett", "--json"}).json()["machine_code"];
-  EXPECT_EQ(large, "") << large;
-  const std::string text = run_command({"plan", "bennett"}).out;
+  EXPECT_EQ(large.find("4 of 4 groups") != large.npos, has_code) << large;
+  const std::string too_large = run_command({"plan", "rings", "--json"}).json()["machine_code"];
+  EXPECT_EQ(too_large.find("1 of 7 groups") != too_large.npos, has_code) << too_large;
+  const std::string by_klu =
+      run_command({"plan", "bennett", "--strategy", "irreducible/klu", "--json"}).json()["machine_code"];
+  EXPECT_EQ(by_klu, "") << by_klu;
+  const std::string text = run_command({"plan", "bennett", "--strategy", "irreducible/klu"}).out;
   EXPECT_NE(text.find("\n  machine code    none\n"), text.npos) << text;
 }
 
