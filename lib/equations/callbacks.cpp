@@ -33,6 +33,7 @@ void CallbackRows::load(const Program::CallbackUse& use, const double* constants
 }
 
 void CallbackRows::residuals(const double* coefficients, const double* value, double* phi) {
+  knows_matrix_ = false;
   for (std::size_t c = 0; c < scratch_.size(); ++c) {
     const Program::CallbackUse& use = program_.callbacks[c];
     for (int w = 0; w < lanes_; ++w) {
@@ -44,6 +45,7 @@ void CallbackRows::residuals(const double* coefficients, const double* value, do
 }
 
 void CallbackRows::matrix(const double* coefficients, const double* value) {
+  if (knows_matrix_) return;
   for (std::size_t c = 0; c < scratch_.size(); ++c) {
     const Program::CallbackUse& use = program_.callbacks[c];
     Scratch& s = scratch_[c];
@@ -53,6 +55,7 @@ void CallbackRows::matrix(const double* coefficients, const double* value) {
       block(use).callback->jacobian(s.x, {s.jacobian.data() + idx(w) * size, size});
     }
   }
+  knows_matrix_ = true;
 }
 
 double CallbackRows::derivative(std::size_t c, std::int32_t row, std::int32_t argument, int lane) const {

@@ -15,6 +15,7 @@ class CallbackRows {
 
   [[nodiscard]] bool empty() const { return program_.callbacks.empty(); }
 
+  // To be called first at each posture; the other functions are for the same coefficients and values.
   void residuals(const double* coefficients, const double* value, double* phi);
   // Adds the derivatives of the callbacks to the entries of the Jacobian.
   void jacobian(const double* coefficients, const double* value, double* jacobian);
@@ -46,6 +47,7 @@ class CallbackRows {
   int lanes_;
   std::vector<Scratch> scratch_;  // one for each use
   std::vector<double> least_;     // equations x lanes: of raise_scale()
+  bool knows_matrix_ = false;     // Scratch::jacobian is that of the posture
 };
 
 }  // namespace assur
