@@ -51,6 +51,8 @@ class BlockConditions {
   void measure(std::int32_t block, const double* jacobian, const Weights& weights, LinearSolver* solver,
                const Norms& norms, std::span<const std::uint8_t> lanes = {});
 
+  // True if the block is too large for an inverse: its norms are estimates, which need factors of every lane.
+  [[nodiscard]] bool is_large(std::int32_t block) const;
   // True if measure() may need a solver.
   [[nodiscard]] bool needs_solver(std::int32_t block) const {
     return is_large(block) || (by_solver_ && size(block) > 3);
@@ -97,8 +99,6 @@ class BlockConditions {
   [[nodiscard]] bool hold(std::int32_t block, const BoxTest::Lane& of);
   [[nodiscard]] bool invert_matrix(std::int32_t n);
   void dense_norms(std::int32_t block, int lane, const double* jacobian, const Weights& weights, const Norms& norms);
-  // True if the block is too large for a dense inverse.
-  [[nodiscard]] bool is_large(std::int32_t block) const;
   [[nodiscard]] bool has_inverse(std::int32_t block, int lane, const double* jacobian);
   void norms_by_solver(std::int32_t block, const Weights& weights, LinearSolver& solver, const Norms& norms,
                        const double* jacobian, std::span<const std::uint8_t> lanes);

@@ -148,7 +148,7 @@ GroupHealth ErrorProbe::examine(Pack& pack, const double* state) {
   }
   std::array<double, kMostLanes> condition{};
   for (std::int32_t b = 0; b < work_.program.blocks; ++b) {
-    if (!regular && blocks_.needs_solver(b)) {
+    if (!regular && blocks_.is_large(b)) {
       condition.fill(kInfinity);
     } else {
       const BlockConditions::Weights both{noise_.data(), noise_.data()};
