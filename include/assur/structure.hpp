@@ -36,7 +36,22 @@ struct GroupClass {
     std::int32_t products_begin, products_end;  // range in `products`; of a callback: its arguments, the forms `a`
     std::int32_t linear;                        // the form that is added; -1: none
     std::int32_t callback, row;                 // callback (-1: none), and its row that gives this equation
+    std::int32_t gear = -1;                     // index into `gears`, if the callback is a gear; -1: it is none
     friend bool operator==(const Equation&, const Equation&) = default;
+  };
+  // A gear or rack: sin(total) = 0, or total = 0; total = sum of factor * coordinate over its sides.
+  struct Gear {
+    struct Side {
+      double factor;
+      // 1: a displacement. 4 in the plane, 9 in space: the angle between two directions, about an axis in space; their
+      // components in this order.
+      std::int32_t arguments;
+      friend bool operator==(const Side&, const Side&) = default;
+    };
+    std::vector<Side> sides;
+    bool is_periodic = false;  // sin(total)
+    std::vector<double> unit;  // arguments: SI value of one internal unit
+    friend bool operator==(const Gear&, const Gear&) = default;
   };
 
   std::int32_t n = 0;                        // unknowns, and equations
@@ -47,6 +62,7 @@ struct GroupClass {
   std::vector<Term> terms;                   // of all forms
   std::vector<Product> products;             // of all equations
   std::vector<Equation> equations;           // n
+  std::vector<Gear> gears;                   // of these equations
   std::int32_t blocks = 1;                   // irreducible blocks, numbered in solving order
   std::vector<std::int32_t> unknown_block;   // n: block of each unknown
   std::vector<std::int32_t> equation_block;  // n: block of each equation

@@ -28,6 +28,7 @@ class Compiler {
     for (std::int32_t f = 0; f < c_.forms(); ++f) form(f);
     for (const GroupClass::Equation& e : c_.equations) equation(e);
     callbacks();
+    gears();
     jacobian();
     return std::move(p_);
   }
@@ -120,8 +121,7 @@ class Compiler {
       out.curvature.*side = at(p_.curvature);
     };
     here(&Program::Range::begin);
-    out.callback = e.callback;
-    out.row = e.row;
+    out.gear = e.gear;
     if (e.linear >= 0) linear(Coefficient{}, values_[idx(e.linear)]);
     out.factors = static_cast<std::int32_t>(p_.linear.size());
     if (e.callback < 0) {
@@ -163,17 +163,31 @@ class Compiler {
   void callbacks() {
     for (std::int32_t i = 0; i < p_.equations_count; ++i) {
       const GroupClass::Equation& e = c_.equations[idx(i)];
-      if (e.callback < 0) continue;
+      if (e.callback < 0 || e.gear >= 0) continue;
       auto use = use_of(e.callback);
-      if (use == p_.callbacks.end()) {
-        use = p_.callbacks.insert(use, {e.callback, {}, {}});
-        for (std::int32_t k = e.products_begin; k < e.products_end; ++k) {
-          const Value& v = values_[idx(c_.products[idx(k)].a)];
-          use->arguments.push_back(v.reg >= 0 ? v.reg : ~v.constant);
-        }
-      }
+      if (use == p_.callbacks.end()) use = p_.callbacks.insert(use, {e.callback, {}, arguments(e)});
       use->rows.push_back({i, e.row});
     }
+  }
+  void gears() {
+    p_.gears.resize(c_.gears.size());
+    for (const GroupClass::Equation& e : c_.equations) {
+      if (e.gear >= 0) p_.gears[idx(e.gear)] = {c_.gears[idx(e.gear)], arguments(e)};
+    }
+    for (Program::Gear& gear : p_.gears) {
+      gear.first = p_.gear_arguments;
+      gear.first_angle = p_.gear_angles;
+      p_.gear_arguments += static_cast<std::int32_t>(gear.arguments.size());
+      for (const GroupClass::Gear::Side& side : gear.numbers.sides) p_.gear_angles += side.arguments > 1 ? 1 : 0;
+    }
+  }
+  [[nodiscard]] std::vector<std::int32_t> arguments(const GroupClass::Equation& e) const {
+    std::vector<std::int32_t> out;
+    for (std::int32_t k = e.products_begin; k < e.products_end; ++k) {
+      const Value& v = values_[idx(c_.products[idx(k)].a)];
+      out.push_back(v.reg >= 0 ? v.reg : ~v.constant);
+    }
+    return out;
   }
   std::vector<Program::CallbackUse>::iterator use_of(std::int32_t callback) {
     return std::find_if(p_.callbacks.begin(), p_.callbacks.end(),
@@ -232,6 +246,8 @@ class Compiler {
       p_.entry_operands.insert(p_.entry_operands.end(), sum.begin(), sum.end());
       p_.entries.push_back({begin, static_cast<std::int32_t>(p_.entry_operands.size())});
     }
+    std::stable_sort(p_.gear_entries.begin(), p_.gear_entries.end(),
+                     [](const auto& a, const auto& b) { return a.nonzero < b.nonzero; });
   }
 
   void callback_row(const GroupClass::Equation& e, const std::map<std::int32_t, std::int32_t>& nonzero) {
@@ -239,8 +255,12 @@ class Compiler {
     for (std::int32_t k = e.products_begin; k < e.products_end; ++k) {
       for (const GroupClass::Term& t : terms(c_.products[idx(k)].a)) {
         if (t.coordinate < 0 || t.coordinate >= c_.n) continue;
-        p_.callback_entries.push_back(
-            {nonzero.at(t.coordinate), use, e.row, k - e.products_begin, coefficient(of(t.constant))});
+        const std::int32_t at = nonzero.at(t.coordinate), argument = k - e.products_begin;
+        if (e.gear >= 0) {
+          p_.gear_entries.push_back({at, e.gear, argument, coefficient(of(t.constant))});
+        } else {
+          p_.callback_entries.push_back({at, use, e.row, argument, coefficient(of(t.constant))});
+        }
       }
     }
   }

@@ -43,7 +43,7 @@ struct Program {
   struct Equation {
     Range linear, products, input_linear, input_products, curvature;
     std::int32_t factors;
-    std::int32_t callback, row;  // -1: none
+    std::int32_t gear;  // -1: none
   };
   struct CallbackEntry {  // chain rule through an argument of a callback: J[row, argument] * coefficient
     std::int32_t nonzero, callback, row, argument, coefficient;
@@ -70,6 +70,17 @@ struct Program {
   };
   std::vector<CallbackUse> callbacks;
   std::vector<CallbackEntry> callback_entries;
+  struct Gear {
+    GroupClass::Gear numbers;
+    std::vector<std::int32_t> arguments;      // registers; ~coefficient for a constant one
+    std::int32_t first = 0, first_angle = 0;  // arguments, and angles, of the gears before it
+  };
+  struct GearEntry {  // chain rule through an argument of a gear, as CallbackEntry; ordered by nonzero
+    std::int32_t nonzero, gear, argument, coefficient;
+  };
+  std::vector<Gear> gears;
+  std::int32_t gear_arguments = 0, gear_angles = 0;  // of all gears
+  std::vector<GearEntry> gear_entries;
 
   // For the branch check. Row i of block b: sum_j,l |d2 Phi_i / dq_j dq_l| over the block's unknowns j and all moving
   // coordinates l, as a sum of |coefficient|s; see lipschitz().

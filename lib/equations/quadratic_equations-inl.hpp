@@ -1,6 +1,6 @@
-// The quadratic equations of a class, as their Program lists them, with their derivatives, scales and bounds of their
-// rounding: the one text for numbers in registers (Evaluator, SmallGroup) and for the programs of steps. Included once
-// for each target, inside its HWY_NAMESPACE (see Highway, "foreach_target.h").
+// The quadratic equations and the gears of a class, as their Program lists them, with their derivatives, scales and
+// bounds of their rounding: the one text for numbers in registers (Evaluator, SmallGroup) and for the programs of
+// steps. Included once for each target, inside its HWY_NAMESPACE (see Highway, "foreach_target.h").
 #if defined(ASSUR_QUADRATIC_EQUATIONS_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef ASSUR_QUADRATIC_EQUATIONS_INL
 #undef ASSUR_QUADRATIC_EQUATIONS_INL
@@ -14,6 +14,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "equations/gear_rows-inl.hpp"
 #include "equations/program.hpp"
 #include "index.hpp"
 #include "scene/residual_scale.hpp"
@@ -64,9 +65,10 @@ class QuadraticEquations {
     for (std::size_t f = 0; f < p_.forms.size(); ++f) {
       value_.set(idx(p_.forms[f].reg), sum(k, p_.forms[f].unknowns, p_.forms[f].end, value_, base_[f]));
     }
+    gears_.evaluate(k, value_);
     for (std::size_t i = 0; i < p_.equations.size(); ++i) {
       const Program::Equation& e = p_.equations[i];
-      L total = L::set(0);
+      L total = e.gear < 0 ? L::set(0) : gears_.residual(e.gear);
       for (const Operand& o : part(p_.linear, e.linear)) total.add_product(k(o.coefficient), value(o.reg));
       for (const Product& q : part(p_.products, e.products)) {
         total.add_product(k(q.coefficient), value(q.a) * value(q.b));
@@ -78,10 +80,15 @@ class QuadraticEquations {
   // After evaluate(): the nonzeros of the Jacobian.
   template <class Coefficient, class Put>
   HWY_INLINE void differentiate(const Coefficient& k, const Put& put) const {
+    const Program::GearEntry* of_gear = p_.gear_entries.data();
+    const Program::GearEntry* const end = of_gear + p_.gear_entries.size();
     for (std::size_t e = 0; e < p_.entries.size(); ++e) {
       L total = L::set(0);
       for (const Operand& o : part(p_.entry_operands, p_.entries[e])) {
         total.add_product(k(o.coefficient), value(o.reg));
+      }
+      for (; of_gear != end && idx(of_gear->nonzero) == e; ++of_gear) {
+        total.add_product(k(of_gear->coefficient), gears_.derivative(of_gear->gear, of_gear->argument));
       }
       put(e, total);
     }
@@ -100,7 +107,7 @@ class QuadraticEquations {
     }
     for (std::size_t i = 0; i < p_.equations.size(); ++i) {
       const Program::Equation& e = p_.equations[i];
-      L total = L::set(0);
+      L total = e.gear < 0 ? L::set(0) : gears_.scale(e.gear);
       for (const Operand& o : part(p_.linear, e.linear)) {
         total.add_product(abs(k(o.coefficient)), magnitude_[idx(o.reg)]);
       }
@@ -118,7 +125,7 @@ class QuadraticEquations {
   HWY_INLINE void least_scale(const Coefficient& k, const Put& put) const {
     for (std::size_t i = 0; i < p_.equations.size(); ++i) {
       const Program::Equation& e = p_.equations[i];
-      L least = L::set(0), a = L::set(0), b = L::set(0);
+      L least = e.gear < 0 ? L::set(0) : gears_.least_scale(e.gear), a = L::set(0), b = L::set(0);
       for (const Operand& o : part(p_.linear, e.linear.begin, e.factors)) {
         least.add_product(abs(k(o.coefficient)), coordinates_of(k, o.reg));
       }
@@ -152,7 +159,7 @@ class QuadraticEquations {
     }
     for (std::size_t i = 0; i < p_.equations.size(); ++i) {
       const Program::Equation& e = p_.equations[i];
-      RoundedSum sum{L::set(0), L::set(0)};
+      RoundedSum sum{L::set(0), e.gear < 0 ? L::set(0) : gears_.rounding(e.gear)};
       for (const Operand& o : part(p_.linear, e.linear)) sum.add(k(o.coefficient), value(o.reg), error[idx(o.reg)]);
       for (const Product& q : part(p_.products, e.products)) {
         const L a = value(q.a), b = value(q.b);
@@ -170,8 +177,9 @@ class QuadraticEquations {
   HWY_INLINE void velocity_rhs(const Coefficient& k, const Input& h, const Put& put) {
     derive(k, h, input_rate_);
     for (std::size_t i = 0; i < p_.equations.size(); ++i) {
-      L total = L::set(0);
-      subtract_inputs(k, p_.equations[i], input_rate_, total);
+      const Program::Equation& e = p_.equations[i];
+      L total = e.gear < 0 ? L::set(0) : L::set(0) - gears_.change(e.gear, input_rate_);
+      subtract_inputs(k, e, input_rate_, total);
       put(i, total);
     }
   }
@@ -187,6 +195,8 @@ class QuadraticEquations {
     for (std::size_t i = 0; i < p_.equations.size(); ++i) {
       const Program::Equation& e = p_.equations[i];
       L total = L::set(0);
+      if (e.gear >= 0)
+        total = total - gears_.change(e.gear, acceleration_) - gears_.bend(e.gear, k, value_, rate_, rate_);
       for (const Product& q : part(p_.curvature, e.curvature)) {
         total.subtract_product(k(q.coefficient), rate_[idx(q.a)] * rate_[idx(q.b)]);
       }
@@ -200,8 +210,9 @@ class QuadraticEquations {
   template <class Coefficient, class Put>
   HWY_INLINE void twice_bend(const Coefficient& k, const Array& a, const Array& b, const Put& put) const {
     for (std::size_t i = 0; i < p_.equations.size(); ++i) {
-      L twice = L::set(0);
-      for (const Product& q : part(p_.curvature, p_.equations[i].curvature)) {
+      const Program::Equation& e = p_.equations[i];
+      L twice = e.gear < 0 ? L::set(0) : L::set(2) * gears_.bend(e.gear, k, value_, a, b);
+      for (const Product& q : part(p_.curvature, e.curvature)) {
         twice.add_product(k(q.coefficient), a[idx(q.a)] * b[idx(q.b)] + a[idx(q.b)] * b[idx(q.a)]);
       }
       put(i, twice);
@@ -293,6 +304,7 @@ class QuadraticEquations {
   }
 
   const Program& p_;
+  GearRows<L> gears_{p_};
   Array value_{idx(p_.registers)}, magnitude_{idx(p_.registers)};
   Array base_{p_.forms.size()}, base_magnitude_{p_.forms.size()};  // parts from constants and inputs
   Array input_rate_{idx(p_.registers)}, rate_{idx(p_.registers)}, acceleration_{idx(p_.registers)};

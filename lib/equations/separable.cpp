@@ -85,6 +85,7 @@ class Separation {
 }  // namespace
 
 std::optional<Separable> separate(const Program& program, std::span<const std::uint8_t> input_moves) {
+  if (!program.gears.empty()) return std::nullopt;
   return Separation(program, input_moves).run();
 }
 

@@ -111,6 +111,7 @@ class Interpreter final : public Executor {
           to.operand[0] = of(n.slot);
           to.reach = n.slot.reach;
         }
+        if (n.op == Op::pick) to.operand[1] = of(n.slot);
         for (std::size_t k = 0; k < static_cast<std::size_t>(operands_of(n.op)); ++k)
           to.operand[k] = value[n.operand[k]];
       }
@@ -167,6 +168,9 @@ class Interpreter final : public Executor {
         case Op::constant:
           each([&](std::size_t l) HWY_ATTR { return v(a, l); });
           break;
+        case Op::pick:
+          for (int l = 0; l < W; ++l) to[l] = from.one(n.operand[1])[static_cast<std::ptrdiff_t>(a[l])];
+          break;
         case Op::add:
           each([&](std::size_t l) HWY_ATTR { return hn::Add(v(a, l), v(b, l)); });
           break;
@@ -187,11 +191,6 @@ class Interpreter final : public Executor {
         case Op::fnma: {
           const double* const c = at(n.operand[2]);
           each([&](std::size_t l) HWY_ATTR { return fused_negated(d, v(a, l), v(b, l), v(c, l)); });
-          break;
-        }
-        case Op::fms: {
-          const double* const c = at(n.operand[2]);
-          each([&](std::size_t l) HWY_ATTR { return fused(d, v(a, l), v(b, l), hn::Neg(v(c, l))); });
           break;
         }
         case Op::square_root:

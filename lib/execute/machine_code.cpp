@@ -125,7 +125,7 @@ class Writer {
       if (std::find(out.begin(), out.end(), memory_of(s)) == out.end()) out.push_back(memory_of(s));
     };
     for (const Instruction& n : phase.code) {
-      if (n.op == Op::load) add(n.slot);
+      if (n.op == Op::load || n.op == Op::pick) add(n.slot);
     }
     for (const Phase::Store& s : phase.stores) add(s.to);
     if (phase.repeat_while) add(*phase.repeat_while);
@@ -460,8 +460,9 @@ class Writer {
         return fused(n, Inst::kIdVfmadd231sd, Inst::kIdVfmadd231pd);
       case Op::fnma:
         return fused(n, Inst::kIdVfnmadd231sd, Inst::kIdVfnmadd231pd);
-      case Op::fms:
-        return fused(n, Inst::kIdVfmsub231sd, Inst::kIdVfmsub231pd);
+      case Op::pick:
+        pick(n);
+        return true;
       case Op::square_root: {
         const x86::Vec a = in_register(n.operand[0]);
         a_.vsqrtpd(result(n), a);
@@ -546,6 +547,26 @@ class Writer {
     with_second(n.operand[swaps ? 0 : 1], finish);
     return true;
   }
+  void pick(const Instruction& n) {
+    const x86::Vec index = in_register(n.operand[0]);
+    const std::uint32_t place = take();
+    const bool is_half = width_ == 8;  // an index has half the bytes of a number
+    const x86::Vec where = is_half ? x86::Vec(x86::ymm(place)) : x86::Vec(x86::xmm(place));
+    a_.vcvttpd2dq(where, width_ < 4 ? x86::Vec(index.xmm()) : index);
+    const x86::Vec mask = avx512_ ? where : vector(take());
+    const x86::Vec to = result(n);
+    const x86::Mem from = x86::ptr(base(memory_of(n.slot)), where, 3, static_cast<std::int32_t>(n.slot.index) * 8);
+    if (avx512_) {
+      const x86::KReg lanes = mask_in(mask_for({kFree, kFree}));
+      a_.kxnorb(lanes, lanes, lanes);
+      if (width_ == 1) a_.kshiftrb(lanes, lanes, 7);
+      a_.k(lanes).vgatherdpd(to, from);
+    } else {
+      a_.vpcmpeqd(mask, mask, mask);
+      if (width_ == 1) a_.vmovq(mask.xmm(), mask.xmm());
+      a_.vgatherdpd(to, from, mask);
+    }
+  }
   // a <= b ? yes : no
   void choose(const Instruction& n) {
     const asmjit::Imm less_or_equal(0x12);  // false for NaN, quiet
@@ -554,9 +575,7 @@ class Writer {
       const std::pair compared(n.operand[0], n.operand[1]);
       auto mask = std::find(compared_.begin(), compared_.end(), compared);
       if (mask == compared_.end()) {
-        mask = compared_.begin() + static_cast<std::ptrdiff_t>(next_mask_);
-        next_mask_ = (next_mask_ + 1) % compared_.size();
-        *mask = compared;
+        mask = mask_for(compared);
         const x86::Vec a = in_register(n.operand[0]);
         with_second(n.operand[1], [&](const auto& b) { a_.emit(compare, mask_in(mask), a, b, less_or_equal); });
       }
@@ -573,6 +592,13 @@ class Writer {
   }
 
   using Masks = std::array<std::pair<std::uint32_t, std::uint32_t>, 7>;
+  // The next one, which now compares these values.
+  Masks::iterator mask_for(const std::pair<std::uint32_t, std::uint32_t>& compared) {
+    const auto mask = compared_.begin() + static_cast<std::ptrdiff_t>(next_mask_);
+    next_mask_ = (next_mask_ + 1) % compared_.size();
+    *mask = compared;
+    return mask;
+  }
   [[nodiscard]] x86::KReg mask_in(Masks::const_iterator at) const {
     return x86::k(static_cast<std::uint32_t>(at - compared_.begin()) + 1);
   }

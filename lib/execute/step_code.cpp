@@ -58,9 +58,7 @@ class SharedCode final : public StepCode {
  public:
   explicit SharedCode(Codes& all) : all_(all) {}
 
-  [[nodiscard]] std::string vectors() const override {
-    return all_.vectors == VectorCode::avx512 ? "AVX-512" : "AVX2";
-  }
+  [[nodiscard]] std::string vectors() const override { return all_.vectors == VectorCode::avx512 ? "AVX-512" : "AVX2"; }
 
   CodeOfStep of(const GroupClass& group_class, const Program& equations, std::span<const std::int32_t> reads,
                 int lanes) override {
@@ -82,7 +80,8 @@ class SharedCode final : public StepCode {
       auto step = make(class_step(group_class, equations, elimination, reads), lanes);
       if (!step) return std::nullopt;
       if (!*step) return CodeOfClass{};
-      auto anchor = make(class_anchor(group_class, equations, elimination), lanes);
+      std::optional<std::shared_ptr<const Executor>> anchor;
+      if (group_class.quadratic) anchor = make(class_anchor(group_class, equations, elimination), lanes);
       auto factors = make(class_factors(group_class, equations, elimination), lanes);
       auto changes = make(class_changes(group_class, equations, elimination), lanes);
       return CodeOfClass{std::move(*step), anchor.value_or(nullptr), factors.value_or(nullptr),

@@ -11,7 +11,7 @@ NewtonStep::NewtonStep(Workspace& work, JacobianSolver& solver, BranchGuard& gua
     : work_(work), solver_(solver), guard_(guard), settings_(settings) {
   inverse_scale_.resize(work_.size());
   correction_.resize(work_.size());
-  for (LaneArray* v : {&ratios_, &before_}) v->resize(idx(work_.lanes));
+  for (LaneArray* v : {&ratios_, &before_, &last_}) v->resize(idx(work_.lanes));
   open_.resize(idx(work_.lanes));
 }
 
@@ -130,7 +130,7 @@ Status NewtonStep::position(Pack& pack, double* x, const Attempt& attempt, std::
     // Where no ball guards the branch, each correction must be at most a tenth of the one before.
     const bool must_contract = attempt.branch == Attempt::Branch::pass ||
                                (!work_.group_class.quadratic && attempt.branch != Attempt::Branch::anywhere);
-    bool contracts = iteration == 0 || norm <= kContraction * last_norm || relative <= kRoundingLevel;
+    bool contracts = contract(iteration == 0);
     if (must_contract && attempt.iterations == 0 && !contracts) {
       // Corrections by rounding do not contract, and they look large if the terms of an equation vanish here.
       raise(open_);
@@ -160,6 +160,21 @@ Status NewtonStep::position(Pack& pack, double* x, const Attempt& attempt, std::
 std::int32_t NewtonStep::lane_with_most_left(const Pack& pack) {
   for (std::size_t i = 0; i < work_.phi.size(); ++i) work_.phi[i] *= inverse_scale_[i];
   return work_.lane_with_most(pack, work_.phi);
+}
+
+// True if the last correction of each open lane is at most a tenth of the one before, or is rounding.
+bool NewtonStep::contract(bool is_first) {
+  bool all = true;
+  for (std::size_t l = 0; l < open_.size(); ++l) {
+    double norm = 0;
+    for (std::size_t at = l; at < work_.correction.size(); at += open_.size()) {
+      norm = std::max(norm, work_.correction[at]);
+    }
+    const bool is_small = norm <= kContraction * last_[l] || before_[l] <= kRoundingLevel;
+    all = all && (is_first || open_[l] == 0 || is_small);
+    last_[l] = norm;
+  }
+  return all;
 }
 
 // x -= correction_; returns its largest element.

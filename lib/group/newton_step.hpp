@@ -45,6 +45,7 @@ class NewtonStep {
   void raise(std::span<const std::uint8_t> lanes);
   [[nodiscard]] double largest_open() const;
   [[nodiscard]] bool close(double converged, bool rounds);
+  [[nodiscard]] bool contract(bool is_first);
   [[nodiscard]] double correct(double* x);
 
   Workspace& work_;
@@ -53,6 +54,7 @@ class NewtonStep {
   const SolverSettings settings_;
   LaneArray inverse_scale_, correction_;  // n x W
   LaneArray ratios_, before_;             // W: relative residuals, now and before the last correction
+  LaneArray last_;                        // W: largest entry of the last correction
   std::vector<std::uint8_t> open_;        // W: 1 as long as the lane iterates
 };
 

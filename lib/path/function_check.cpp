@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "index.hpp"
+#include "scene/gear.hpp"
 
 namespace assur {
 namespace {
@@ -22,7 +23,9 @@ double relative(const Contradiction& c) {
 
 FunctionCheck::FunctionCheck(const Structure& structure, const System& system, std::span<const std::int32_t> address)
     : system_(system), address_(address) {
-  for (const CallbackBlock& block : system.callbacks) add_callback(structure, block);
+  for (const CallbackBlock& block : system.callbacks) {
+    if (!numbers_of(*block.callback)) add_callback(structure, block);  // no gear
+  }
   for_each_function(system, [&](std::size_t i, std::size_t k, const Law::Function& law) {
     laws_.push_back({i, k, &law, law_unit(system, system.inputs[i], k), {kLawInterval}});
   });

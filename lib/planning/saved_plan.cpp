@@ -10,6 +10,7 @@
 #include "planning/check_plan.hpp"
 #include "planning/plan_fields.hpp"
 #include "scene/law_sum.hpp"
+#include "structure/gearing.hpp"
 
 namespace assur {
 namespace {
@@ -170,13 +171,15 @@ Prepared load_plan(std::istream& in, const LoadOptions& options) {
   const auto loaded = std::make_shared<Loaded>();
   std::vector<SavedGear> gears;
   auto structure = std::make_shared<Structure>();
-  fields(read, prepared, loaded->system, gears, *structure);
+  Structure& own = *structure;
+  fields(read, prepared, loaded->system, gears, own);
   read.finish();
   loaded->system.index_names();
   add_gears(*loaded, gears);
   structure->system = std::shared_ptr<const System>(loaded, &loaded->system);
   prepared.structure = std::move(structure);
   check_plan(prepared);
+  for (GroupClass& c : own.classes) find_gears(loaded->system, c);
   check_backends(prepared.plan, options.table);
   fit_threads(prepared.plan, options.budget);
   prepared.table = options.table;

@@ -234,10 +234,11 @@ class Writer {
 
  private:
   // Places in Memory::work: reciprocal scales, unknowns, then numbers of the lane.
-  enum Number : std::uint32_t { kActive, kFailed, kRelative, kFirst };
+  enum Number : std::uint32_t { kActive, kFailed, kRelative, kLast, kFirst };
   struct State {
     Values x, weight;
     Value relative, active, failed, iterations;  // as in SmallGroup
+    Value last;                                  // largest entry of the last correction
   };
 
   [[nodiscard]] GroupSlots slots() { return {graph_, p_, std::uint16_t{0}}; }
@@ -264,10 +265,16 @@ class Writer {
   void correct(Equations& equations, State& s, Values& phi, Values& jacobian, bool is_first) {
     s.failed = s.failed + linear_.factorize(jacobian);
     const Values by = linear_.solve(phi);
-    if (!is_first) s.failed = s.failed + exceeds(linear_.residual(jacobian, by, phi), Value::set(kPivotsGrew));
+    if (!is_first || !class_.quadratic)
+      s.failed = s.failed + exceeds(linear_.residual(jacobian, by, phi), Value::set(kPivotsGrew));
     const Value size = largest_of(by), largest = if_at_most(s.active, kNone, kNone, size);
     s.failed = s.failed + (largest - largest);
     if (is_first) graph_.store(work(kFirst), largest);
+    if (!is_first && !class_.quadratic) {
+      const Value diverges = exceeds(largest, Value::set(kContraction) * s.last);
+      s.failed = s.failed + s.active * diverges * exceeds(s.relative, Value::set(kRoundingLevel));
+    }
+    s.last = largest;
     for (std::size_t j = 0; j < n_; ++j) s.x[j] = if_at_most(s.active, kNone, s.x[j], s.x[j] - by[j]);
     evaluate(equations, s.x, phi, jacobian);
     const Value before = std::exchange(s.relative, relative(phi, s.weight));
@@ -292,7 +299,7 @@ class Writer {
 
   void begin() {
     Equations equations(p_);
-    State s{predicted(equations), Values(n_), {}, {}, kNone, kNone};
+    State s{predicted(equations), Values(n_), {}, {}, kNone, kNone, {}};
     Values phi, jacobian;
     evaluate(equations, s.x, phi, jacobian);
     equations.scale(coefficients(), [&](std::size_t i, const Value& scale) {
@@ -359,10 +366,14 @@ class Writer {
       failed = failed + exceeds(residual, Value::set(kPivotsGrew));
     }
     const GroupSlots in = slots();
-    const Value used = Tests::ball_use(in, reads_.size(), [&](std::size_t k) {
-      return idx(reads_[k]) < n_ ? s.x[idx(reads_[k])] : equations.value(reads_[k]);
-    });
-    failed = failed + (used - used);
+    Value used = kNone, needs_anchor = kNone;
+    if (class_.quadratic) {
+      used = Tests::ball_use(in, reads_.size(), [&](std::size_t k) {
+        return idx(reads_[k]) < n_ ? s.x[idx(reads_[k])] : equations.value(reads_[k]);
+      });
+      needs_anchor = Tests::needs_anchor(used, in.ball_used());
+      failed = failed + (used - used);
+    }
     const auto tell = [&](GroupFigure f, const Value& value) { graph_.store(slot_of(f), value); };
     for (std::size_t j = 0; j < n_; ++j) graph_.store(slot(Memory::unknowns, j), s.x[j]);
     tell(GroupFigure::failed, if_at_most(failed, kNone, kNone, kAll));
@@ -370,7 +381,7 @@ class Writer {
     tell(GroupFigure::velocity, residuals[0]);
     tell(GroupFigure::acceleration, residuals[1]);
     tell(GroupFigure::ball_used, used);
-    tell(GroupFigure::needs_anchor, Tests::needs_anchor(used, in.ball_used()));
+    tell(GroupFigure::needs_anchor, needs_anchor);
   }
 
   void keep(const State& s) {
@@ -378,6 +389,7 @@ class Writer {
     graph_.store(work(kActive), s.active);
     graph_.store(work(kFailed), s.failed);
     graph_.store(work(kRelative), s.relative);
+    if (!class_.quadratic) graph_.store(work(kLast), s.last);
     graph_.store(slot_of(GroupFigure::iterations), s.iterations);
   }
   [[nodiscard]] State recall() {
@@ -386,7 +398,8 @@ class Writer {
             graph_.load(work(kRelative)),
             graph_.load(work(kActive)),
             graph_.load(work(kFailed)),
-            graph_.load(slot_of(GroupFigure::iterations))};
+            graph_.load(slot_of(GroupFigure::iterations)),
+            class_.quadratic ? kNone : graph_.load(work(kLast))};
     for (std::size_t j = 0; j < n_; ++j) {
       s.weight[j] = graph_.load(slot(Memory::work, j));
       s.x[j] = graph_.load(slot(Memory::work, n_ + j));
@@ -405,7 +418,7 @@ class Writer {
 }  // namespace
 
 bool has_class_step(const GroupClass& c) {
-  return c.n > 0 && c.quadratic && c.blocks == 1 && c.derivatives > 0 && !has_group_step(c);
+  return c.n > 0 && !has_functions(c) && c.blocks == 1 && c.derivatives > 0 && !has_group_step(c);
 }
 
 StepProgram class_anchor(const GroupClass& group_class, const Program& equations,

@@ -15,15 +15,16 @@
 
 namespace assur {
 
-// True for classes of quadratic equations in one irreducible block that have rates and no group_step().
+// True for classes in one irreducible block, without functions, that have rates and no group_step().
 [[nodiscard]] bool has_class_step(const GroupClass& group_class);
 // False if its programs are certainly longer than `most` instructions.
 [[nodiscard]] bool is_short(const lanes::Elimination& elimination, std::size_t most);
 
 // Numbers in Memory::work. It begins with the reciprocal scales of the equations; the last number is the largest entry
-// of Newton's first correction, which the caller must test, see BranchGuard.
+// of Newton's first correction, which the caller must test, see BranchGuard. Without a ball, because the equations are
+// not quadratic, each correction must contract instead.
 [[nodiscard]] constexpr std::size_t work_of_class_step(const GroupClass& group_class) {
-  return 2 * static_cast<std::size_t>(group_class.n) + 4;
+  return 2 * static_cast<std::size_t>(group_class.n) + 5;
 }
 
 // reads: see group_step(). Memory::unknowns holds the prediction, and then the solution. GroupFigure::failed is
@@ -38,8 +39,9 @@ namespace assur {
 // order: J dq = -Phi_h dh. GroupFigure::failed is raised.
 [[nodiscard]] StepProgram class_changes(const GroupClass& group_class, const Program& equations,
                                         const lanes::Elimination& elimination);
-// For a new anchor at a posture: | |J^-1| k |_inf with the Lipschitz constants k, and | |J^-1| s |_inf with the scales s
-// of the equations, as BlockConditions::measure() finds them, in Memory::work. GroupFigure::failed as above.
+// For a new anchor at a posture, if the equations are quadratic: | |J^-1| k |_inf with the Lipschitz constants k, and |
+// |J^-1| s |_inf with the scales s of the equations, as BlockConditions::measure() finds them, in Memory::work.
+// GroupFigure::failed as above.
 [[nodiscard]] StepProgram class_anchor(const GroupClass& group_class, const Program& equations,
                                        const lanes::Elimination& elimination);
 

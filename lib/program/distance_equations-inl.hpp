@@ -89,6 +89,7 @@ class DistanceEquations {
   HWY_INLINE void set_accelerations(const Source& in) {
     derive(in, 2);
   }
+  [[nodiscard]] static constexpr bool has_gears() { return false; }
   [[nodiscard]] static constexpr bool may_vanish() { return false; }
 
   template <class Source>

@@ -36,6 +36,7 @@ class GeneralEquations {
         may_vanish_ = may_vanish_ || p_.linear[idx(o)].reg != p_.one();
       }
     }
+    for (const Program::Gear& gear : p_.gears) may_vanish_ = may_vanish_ || !gear.numbers.is_periodic;
   }
 
   template <class Source>
@@ -47,7 +48,8 @@ class GeneralEquations {
   HWY_INLINE void set_rates(const Source&) {}
   template <class Source>
   HWY_INLINE void set_accelerations(const Source&) {}
-  // True if all terms of an equation may vanish: unless each is a sum of squares and a constant.
+  [[nodiscard]] HWY_INLINE bool has_gears() const { return !p_.gears.empty(); }
+  // True if all terms of an equation may vanish: unless each is a sum of squares and a constant, or an angle.
   [[nodiscard]] bool may_vanish() const { return may_vanish_; }
 
   template <class Source>

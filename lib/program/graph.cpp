@@ -24,8 +24,6 @@ double fold(Op op, double a, double b, double c, double d) {
       return std::fma(a, b, c);
     case Op::fnma:
       return std::fma(-a, b, c);
-    case Op::fms:
-      return std::fma(a, b, -c);
     case Op::square_root:
       return std::sqrt(a);
     case Op::absolute:
@@ -39,6 +37,7 @@ double fold(Op op, double a, double b, double c, double d) {
     case Op::select:
       return a <= b ? c : d;
     case Op::load:
+    case Op::pick:
     case Op::constant:
       break;
   }
@@ -156,6 +155,8 @@ std::size_t Graph::place_of(const Node& node) const {
   while (table_[place] != 0 && !is_same(nodes_[table_[place] - 1])) place = (place + 1) & mask;
   return place;
 }
+
+Value Graph::pick(Slot first, const Value& index) { return add({Op::pick, {node_of(index)}, first, 0}); }
 
 Value Graph::load(Slot slot) { return add({Op::load, {}, slot, 0}); }
 

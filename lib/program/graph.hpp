@@ -53,6 +53,7 @@ struct Value {
 class Graph {
  public:
   [[nodiscard]] Value load(Slot slot);
+  [[nodiscard]] Value pick(Slot first, const Value& index);
   void store(Slot to, const Value& value) { stores_.push_back({to, node_of(value)}); }
 
   // The phase of all stores so far.

@@ -1,5 +1,6 @@
 #include "program/group_step.hpp"
 
+#include <algorithm>
 #include <type_traits>
 
 #include "index.hpp"
@@ -20,7 +21,8 @@ struct Layout {
   [[nodiscard]] std::uint32_t active() const { return 3 * n + 1; }
   [[nodiscard]] std::uint32_t failed() const { return 3 * n + 2; }
   [[nodiscard]] std::uint32_t is_open() const { return 3 * n + 3; }
-  [[nodiscard]] std::uint32_t size() const { return 3 * n + 4; }
+  [[nodiscard]] std::uint32_t last() const { return 3 * n + 4; }
+  [[nodiscard]] std::uint32_t size() const { return 3 * n + 5; }
 };
 
 // GroupSlots where inputs and predicted unknowns are values of the graph.
@@ -130,6 +132,7 @@ class Writer {
     graph.store(work(kAt.active()), s.active);
     graph.store(work(kAt.failed()), s.failed);
     graph.store(slot(slot_of(GroupFigure::iterations)), s.iterations);
+    if (!program_.gears.empty()) graph.store(work(kAt.last()), s.last);
   }
   // What earlier phases kept. Equations read their inputs again: unused results are not written, and even sums of four
   // inputs, as for the handle ends of a hexapod, are a tenth of the operations.
@@ -146,6 +149,7 @@ class Writer {
     s.active = of.load(Memory::work, kAt.active());
     s.failed = of.load(Memory::work, kAt.failed());
     s.iterations = graph.load(slot(slot_of(GroupFigure::iterations)));
+    s.last = program_.gears.empty() ? Value::set(0) : of.load(Memory::work, kAt.last());
     return s;
   }
 
@@ -180,8 +184,13 @@ StepProgram write_anchor(const GroupClass& group_class, const Program& equations
 
 }  // namespace
 
+bool has_functions(const GroupClass& c) {
+  return std::any_of(c.equations.begin(), c.equations.end(),
+                     [](const GroupClass::Equation& e) { return e.callback >= 0 && e.gear < 0; });
+}
+
 bool has_group_step(const GroupClass& c) {
-  return (c.n == 2 || c.n == 3) && c.quadratic && c.blocks == 1 && c.first_wanted == 0;
+  return (c.n == 2 || c.n == 3) && !has_functions(c) && c.blocks == 1 && c.first_wanted == 0;
 }
 
 GroupProgram group_step(const GroupClass& group_class, const Program& equations, std::span<const std::int32_t> reads,

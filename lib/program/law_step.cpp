@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
+#include <vector>
 
+#include "equations/angles-inl.hpp"
+#include "numbers.hpp"
 #include "program/graph.hpp"
-#include "program/sine-inl.hpp"
 #include "scene/law_evaluate.hpp"
 
 namespace assur {
@@ -42,6 +45,12 @@ class Writer {
       rate = rate + of_rate;
       acceleration = acceleration + 2 * half;
     }
+    for (const LawOutline::Tables& layer : block.tables) {
+      const Motions of = table(layer, t);
+      value = value + of.value;
+      rate = rate + of.rate;
+      acceleration = acceleration + of.acceleration;
+    }
     const auto put = [&](Memory memory, const Value& v) {
       graph_.store({memory, static_cast<std::uint32_t>(number) * static_cast<std::uint32_t>(of_.lanes), Reach::from},
                    v);
@@ -57,6 +66,94 @@ class Writer {
     std::fill_n(largest.begin(), block.angles, kLargestAngle);
     return if_at_most(abs(value), row(largest), Value::set(0), Value::set(1));
   }
+
+  struct Motions {
+    Value value, rate, acceleration;
+  };
+  // An interval of a table, in order; behind the last one is a beginning that is never reached.
+  enum Interval : std::uint8_t { kBegin, kEnd, kFirst, kLast, kFirstBend, kLastBend, kIntervalSize };
+
+  // law_detail::evaluate() of each lane's table, in internal units; -0 where there is none, which changes no sum.
+  [[nodiscard]] Motions table(const LawOutline::Tables& layer, const Value& time) {
+    const std::size_t w = static_cast<std::size_t>(of_.lanes);
+    const auto lanes = [&](const auto& number) {
+      std::vector<double> out(w);
+      for (std::size_t l = 0; l < w; ++l) out[l] = number(layer.of[l]);
+      return out;
+    };
+    std::size_t most = 0;
+    const std::vector<double> begin = lanes([&](const Law::Spline* s) { return place(s, most); });
+    const Value offset = row(begin);
+    const Value is_there = row(lanes([](const Law::Spline* s) { return s != nullptr ? 1.0 : 0.0; }));
+    const Value end = row(lanes([](const Law::Spline* s) { return s != nullptr ? double(s->time.size()) - 1 : 0.0; }));
+    const auto limit = [&](bool is_upper) {
+      return row(lanes([is_upper](const Law::Spline* s) {
+        if (s == nullptr || s->periodic) return is_upper ? kInfinity : -kInfinity;
+        return is_upper ? s->time.back() + law_detail::slack(*s) : s->time.front() - law_detail::slack(*s);
+      }));
+    };
+    const Value least = limit(false), largest = limit(true);
+    const Value t = wrapped(lanes, time);
+
+    // The last beginning that is not after t: law_detail::interval().
+    Value k = Value::set(0);
+    const Value size = Value::set(kIntervalSize);
+    const auto number = [&](const Value& interval, Interval which) {
+      return graph_.pick({Memory::factors, 0, Reach::one}, offset + interval * size + Value::set(which));
+    };
+    std::size_t step = 1;
+    while (step <= most) step *= 2;
+    for (step /= 2; step > 0; step /= 2) {
+      const Value further = k + Value::set(static_cast<double>(step));
+      const Value next = if_at_most(further, end, further, end);
+      k = if_at_most(number(next, kBegin), t, next, k);
+    }
+    const Value from = number(k, kBegin), to = number(k, kEnd), y0 = number(k, kFirst), y1 = number(k, kLast);
+    const Value m0 = number(k, kFirstBend), m1 = number(k, kLastBend);
+    const Value one = Value::set(1), three = Value::set(3), six = Value::set(6);
+    const Value h = to - from, a = (to - t) / h, b = (t - from) / h;
+    const Value unit = row(layer.unit);
+    const auto finished = [&](const Value& v) {
+      const Value none = Value::set(kNan);
+      const Value covered = if_at_most(least, time, if_at_most(time, largest, v, none), none);
+      return if_at_most(is_there, Value::set(0), Value::set(-0.0), covered * unit);
+    };
+    return {finished(a * y0 + b * y1 - a * b * h * h / six * ((one + a) * m0 + (one + b) * m1)),
+            finished((y1 - y0) / h + h / six * ((three * b * b - one) * m1 - (three * a * a - one) * m0)),
+            finished(a * m0 + b * m1)};
+  }
+  // Appends the intervals of a table. most: the largest number of intervals
+  [[nodiscard]] double place(const Law::Spline* table, std::size_t& most) {
+    std::vector<double>& to = out_.numbers;
+    const auto first = static_cast<double>(to.size());
+    const std::size_t intervals = table != nullptr ? table->time.size() - 1 : 0;
+    for (std::size_t k = 0; k < intervals; ++k) {
+      const auto [left, right] = table->bends(k);
+      to.insert(to.end(), {table->time[k], table->time[k + 1], table->value[k], table->value[k + 1], left, right});
+    }
+    to.insert(to.end(), {kInfinity, 0, 0, 0, 0, 0});
+    most = std::max(most, intervals);
+    return first;
+  }
+  // law_detail::wrap() in lanes of periodic tables.
+  template <class Lanes>
+  [[nodiscard]] Value wrapped(const Lanes& lanes, const Value& time) {
+    const auto of_period = [&](const auto& number) {
+      return row(lanes([&](const Law::Spline* s) {
+        return s != nullptr && s->periodic ? number(s->time.front(), s->time.back()) : 1.0;
+      }));
+    };
+    const Value first = of_period([](double begin, double) { return begin; });
+    const Value period = of_period([](double begin, double end) { return end - begin; });
+    const Value lost = of_period(law_detail::lost_period);
+    const Value repeats = row(lanes([](const Law::Spline* s) { return s != nullptr && s->periodic ? 1.0 : 0.0; }));
+    const Value turns = (time - first) / period, nearest = round(turns);
+    const Value count = if_at_most(nearest, turns, nearest, nearest - Value::set(1));
+    Value rest = time;
+    rest.subtract_product(count, period);
+    return if_at_most(repeats, Value::set(0), time, rest - count * lost);
+  }
+
   // One number for each lane.
   [[nodiscard]] Value row(const std::vector<double>& numbers) {
     const auto first = static_cast<std::uint32_t>(out_.numbers.size());

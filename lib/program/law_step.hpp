@@ -4,13 +4,14 @@
 #include <cstddef>
 #include <vector>
 
+#include "assur/law.hpp"
 #include "program/step_program.hpp"
 
 namespace assur {
 
 inline constexpr double kLargestAngle = 0x1p20;  // rad; larger angles are left to the C library
 
-// Sums of harmonics and polynomials.
+// Sums of harmonics, polynomials and tables.
 struct LawOutline {
   // Harmonics of neighbouring laws, by lane: amplitude sin(2 pi frequency t + phase). omega: 2 pi frequency
   struct Harmonics {
@@ -18,11 +19,17 @@ struct LawOutline {
   };
   // Polynomials of neighbouring laws: [power], by lane.
   using Polynomials = std::vector<std::vector<double>>;
+  // Tables of neighbouring laws, by lane; null: none. unit: internal units in one of the table
+  struct Tables {
+    std::vector<const Law::Spline*> of;
+    std::vector<double> unit;
+  };
   // W neighbouring laws; lanes without a law give 0.
   struct Block {
     std::vector<double> base;  // W: constant parts
     std::vector<Harmonics> harmonics;
     std::vector<Polynomials> polynomials;
+    std::vector<Tables> tables;
     int angles = 0;  // of the first lanes
   };
 

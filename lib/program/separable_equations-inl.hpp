@@ -80,6 +80,7 @@ class SeparableEquations {
   HWY_INLINE void set_accelerations(const Source& in) {
     derive<kAcceleration>(in, 2);
   }
+  [[nodiscard]] static constexpr bool has_gears() { return false; }
   [[nodiscard]] bool may_vanish() const { return !e_.linear.empty(); }
 
   template <class Source>

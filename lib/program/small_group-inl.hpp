@@ -46,6 +46,7 @@ class SmallGroup {
   struct State {
     Column x, phi, weight;                   // unknowns, equations, 1 / their scales
     L relative, active, failed, iterations;  // largest |phi| weight; 1 as long as the lane iterates; see GroupFigure
+    L last;                                  // with gears: the largest entry of the last correction
   };
   struct Figures {
     L velocity, acceleration, ball_used, needs_anchor;
@@ -70,7 +71,7 @@ class SmallGroup {
     Tests::multiply(s.phi, s.weight, ratio);
     s.relative = Tests::largest_of(ratio);
     s.active = Tests::is_open(ratio, in.setting(GroupSetting::converged_at));
-    s.failed = s.iterations = L::set(0);
+    s.failed = s.iterations = s.last = L::set(0);
   }
 
   // One correction. A lane that is not active keeps its numbers.
@@ -92,6 +93,14 @@ class SmallGroup {
     const L largest_first = L::set(largest_first_correction(0)) * (one - in.ball_used());
     const L is_near = if_at_most(Tests::part_of_ball(in, by), largest_first, failed, one);
     failed = if_at_most(s.iterations, zero, is_near, failed);
+    L largest = zero;
+    if (equations_.has_gears()) {
+      // No ball guards the branch, so corrections must contract.
+      largest = Tests::largest_of(by);
+      const L diverges = if_at_most(s.relative, L::set(kRoundingLevel), failed, one);
+      const L contracts = if_at_most(largest, L::set(kContraction) * s.last, failed, diverges);
+      failed = if_at_most(s.iterations, zero, failed, contracts);
+    }
     failed = if_at_most(failed + (relative - relative), zero, zero, one);  // also if it is not finite
     const typename Tests::Progress progress = Tests::judge(ratio, in.setting(GroupSetting::converged_at), relative,
                                                            s.relative, iterations, equations_.may_vanish(), failed);
@@ -109,6 +118,7 @@ class SmallGroup {
     keep(s.relative, relative);
     keep(s.failed, failed);
     keep(s.iterations, iterations);
+    if (equations_.has_gears()) keep(s.last, largest);
     s.active = if_at_most(s.active, zero, zero, goes_on);
   }
 

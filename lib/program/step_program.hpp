@@ -15,6 +15,8 @@ namespace assur {
 // a, b, c, d: operands, in this order.
 enum class Op : std::uint8_t {
   load,         // number in a slot
+  pick,         // number a places behind a slot, for a whole a, all lanes from the same memory (Reach::one); the phase
+                // stores nothing there
   constant,     // the same number in all lanes
   add,          // a + b
   subtract,     // a - b
@@ -22,7 +24,6 @@ enum class Op : std::uint8_t {
   divide,       // a / b
   fma,          // a b + c, rounded once
   fnma,         // c - a b, rounded once
-  fms,          // a b - c, rounded once
   square_root,  // of a
   absolute,     // |a|
   copy_sign,    // |a| with the sign of b
@@ -37,13 +38,13 @@ enum class Op : std::uint8_t {
     case Op::load:
     case Op::constant:
       return 0;
+    case Op::pick:
     case Op::square_root:
     case Op::absolute:
     case Op::round:
       return 1;
     case Op::fma:
     case Op::fnma:
-    case Op::fms:
       return 3;
     case Op::select:
       return 4;
@@ -122,7 +123,7 @@ struct Slot {
 struct Instruction {
   Op op = Op::constant;
   std::array<std::uint32_t, 4> operand = {};  // instructions before it in the phase; of a constant its index
-  Slot slot;                                  // of a load
+  Slot slot;                                  // of a load or a pick
 
   friend bool operator==(const Instruction&, const Instruction&) = default;
 };

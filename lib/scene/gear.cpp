@@ -14,7 +14,6 @@ namespace assur {
 namespace {
 
 constexpr double kSameRatio = 1e-9;
-constexpr double kLeastCosine = 0.54;  // about 1 rad: farther off, Newton's method may find another tooth
 using Arguments = std::array<Jet<double>, kMostGearArguments>;
 
 struct Equation {
@@ -41,7 +40,8 @@ struct Equation {
     }
     if (!numbers.is_periodic) return total;
     const CosSin<T> phase = cos_sin(total);
-    if (phase.cosine.value < kLeastCosine) return Jet<T>{T(kNan), T(kNan), T(kNan)};
+    if (phase.cosine.value < kLeastCosineInMesh || std::abs(total.value) > kLargestPhase)
+      return Jet<T>{T(kNan), T(kNan), T(kNan)};
     return phase.sine;
   }
 };

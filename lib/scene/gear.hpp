@@ -21,6 +21,9 @@ struct GearSide {
 };
 
 inline constexpr int kMostTeeth = 1000;
+// Cosine of a phase of about 1 rad: farther out of mesh, Newton's method may find another tooth.
+inline constexpr double kLeastCosineInMesh = 0.54;
+inline constexpr double kLargestPhase = 0x1p30;  // rad; beyond it rounding hides the teeth
 
 // Whole numbers n, m <= kMostTeeth with |n / m - ratio| <= 1e-9; empty: there are none.
 [[nodiscard]] std::optional<std::pair<int, int>> whole_ratio(double ratio);

@@ -83,6 +83,12 @@ bool covers(const Law::Spline& spline, const T& t) {
   return t >= spline.time.front() - slack(spline) && t <= spline.time.back() + slack(spline);
 }
 
+// What rounding takes from last - first (two-sum of Knuth, TAOCP 2, 4.2.2).
+inline double lost_period(double first, double last) {
+  const double period = last - first, back = last - period;
+  return (last - (back + period)) + (back - first);
+}
+
 // t minus whole periods, within the table. The period is a double plus its rounding error, so that a thousand periods
 // add no error.
 template <class T>
@@ -92,9 +98,7 @@ T wrap(const Law::Spline& spline, const T& t) {
   const T period = last - first;
   const T count = floor((t - first) / period);
   if constexpr (std::same_as<T, double>) {
-    const double back = last - period;  // two-sum of Knuth, TAOCP 2, 4.2.2
-    const double lost = (last - (back + period)) + (back - first);
-    return std::fma(-count, period, t) - count * lost;
+    return std::fma(-count, period, t) - count * lost_period(first, last);
   } else {
     return t - count * period;
   }

@@ -3,8 +3,8 @@
 #define HWY_TARGET_INCLUDE "signals/angle_kernels.cpp"
 #include <hwy/foreach_target.h>  // must precede the code compiled for each target
 
+#include "equations/angles-inl.hpp"
 #include "equations/lane_vector-inl.hpp"
-#include "program/sine-inl.hpp"
 
 #include <cmath>
 

@@ -16,6 +16,9 @@ namespace {
 // that repeat with the rows are the ones to see.
 constexpr double kBetween = 0.381966;
 
+// Longer tables are not copied for machine code.
+constexpr std::size_t kMostPoints = 100'000;
+
 }  // namespace
 
 bool is_angle(const System& s, const DriverInput& in, int law) {
@@ -94,6 +97,9 @@ void DriveProgram::add_law(std::int32_t slot, const Law& law) {
       const auto begin = static_cast<std::int32_t>(coefficients_.size());
       for (const double c : polynomial->coefficients) coefficients_.push_back(c * scale);
       polynomials_.push_back({slot, begin, static_cast<std::int32_t>(coefficients_.size())});
+    } else if (const auto* table = std::get_if<Law::Spline>(&part);
+               table != nullptr && table->time.size() <= kMostPoints) {
+      tables_.push_back({slot, table});
     } else {
       others_.push_back({slot, &part});
     }
@@ -194,6 +200,15 @@ LawOutline DriveProgram::law_outline() const {
       of.resize(std::max(of.size(), count), std::vector<double>(w));
       for (std::size_t k = 0; k < count; ++k) of[k][lane] = coefficients_[idx(p.begin) + k];
     }
+    std::fill(layers.begin(), layers.end(), 0);
+    for (const Table& table : tables_) {
+      if (idx(table.slot) < first || idx(table.slot) >= first + w) continue;
+      const std::size_t lane = idx(table.slot) - first, layer = layers[lane]++;
+      if (layer == block.tables.size())
+        block.tables.push_back({std::vector<const Law::Spline*>(w), std::vector<double>(w)});
+      block.tables[layer].of[lane] = table.of;
+      block.tables[layer].unit[lane] = scale(table.slot);
+    }
   }
   return out;
 }
@@ -235,7 +250,7 @@ void DriveProgram::evaluate(double t) {
   }
 }
 
-// Harmonics and polynomials.
+// Harmonics, polynomials and tables.
 void DriveProgram::evaluate_by_kernels(double t) {
   knows_sines_ = false;
   const std::size_t size = base_.size();
@@ -249,6 +264,9 @@ void DriveProgram::evaluate_by_kernels(double t) {
   }
   for (const Polynomial& p : polynomials_) {
     add(p.slot, law_detail::horner({coefficients_.data() + p.begin, coefficients_.data() + p.end}, t), 1);
+  }
+  for (const Table& table : tables_) {
+    if (held_[idx(table.slot)] == 0) add(table.slot, law_detail::evaluate(*table.of, t), scale(table.slot));
   }
 }
 
@@ -312,6 +330,9 @@ void DriveProgram::compute_bows(double from, double to) {
   for (const Other& o : uneven_) {
     const auto& polynomial = std::get<Law::Polynomial>(*o.part);
     bows_[idx(o.slot)] += part * most_acceleration(polynomial.coefficients, from, to) * scale_[idx(o.slot)];
+  }
+  for (const Table& table : tables_) {
+    if (held_[idx(table.slot)] == 0) bows_[idx(table.slot)] += bow(*table.of, from, to) * scale(table.slot);
   }
   for (Other& o : others_) {
     if (held_[idx(o.slot)] != 0) continue;

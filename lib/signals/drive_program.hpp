@@ -41,7 +41,7 @@ class DriveProgram {
     held_laws_ += static_cast<int>(held) - now;
     now = held ? 1 : 0;
   }
-  // Evaluates harmonics and polynomials by machine code, if there is some for them. Tables and functions stay calls.
+  // Evaluates harmonics, polynomials and tables by machine code, if there is some for them. Functions stay calls.
   void use(StepCode& code);
 
   // Evaluates all laws at time t.
@@ -118,6 +118,10 @@ class DriveProgram {
     double time = kNan;
     Motion motion;
   };
+  struct Table {
+    std::int32_t slot;
+    const Law::Spline* of;
+  };
   struct Other {
     std::int32_t slot;
     const Law::Part* part;
@@ -175,6 +179,7 @@ class DriveProgram {
   std::vector<HarmonicBlock> harmonics_;
   std::vector<Polynomial> polynomials_;
   std::vector<double> coefficients_;
+  std::vector<Table> tables_;
   std::vector<Other> others_;
   std::vector<Bend> bend_;        // laws
   std::vector<Other> uneven_;     // polynomials of degree 3 and more

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "index.hpp"
+#include "structure/gearing.hpp"
 
 namespace assur {
 namespace {
@@ -35,6 +36,16 @@ std::size_t hash(const GroupClass& c) {
 
 ClassTable::ClassTable(const System& system, const std::vector<std::uint8_t>& moves)
     : system_(system), moves_(moves), local_coordinate_(system.coordinates.size(), kAbsent) {}
+
+Index ClassTable::first_like(Index callback) {
+  auto gear = gear_of_class(system_.callbacks[idx(callback)]);
+  if (!gear) return callback;
+  const auto found =
+      std::find_if(gears_.begin(), gears_.end(), [&](const auto& known) { return known.first == *gear; });
+  if (found != gears_.end()) return found->second;
+  gears_.emplace_back(std::move(*gear), callback);
+  return callback;
+}
 
 void ClassTable::classify(const GroupContent& content, Group& group) {
   const System& s = system_;
@@ -103,7 +114,7 @@ void ClassTable::classify(const GroupContent& content, Group& group) {
     GroupClass::Equation local{static_cast<Index>(c.products.size()), 0, -1, -1, e.row};
     if (e.callback >= 0) {
       c.quadratic = false;
-      local.callback = e.callback;
+      local.callback = first_like(e.callback);
       for (const Index f : s.callbacks[idx(e.callback)].coordinates) {
         const Index argument = form(f);
         c.products.push_back({argument, -1, -1});
@@ -119,6 +130,7 @@ void ClassTable::classify(const GroupContent& content, Group& group) {
     local.products_end = static_cast<Index>(c.products.size());
     c.equations.push_back(local);
   }
+  find_gears(s, c);
   for (const Index u : content.unknowns) local_coordinate_[idx(u)] = kAbsent;
   for (const Index i : group.inputs) local_coordinate_[idx(i)] = kAbsent;
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "assur/structure.hpp"
@@ -31,11 +32,15 @@ class ClassTable {
   [[nodiscard]] std::vector<GroupClass> take() { return std::move(classes_); }
 
  private:
+  // The first callback that is a gear with the same numbers; else the callback itself.
+  [[nodiscard]] Index first_like(Index callback);
+
   const System& system_;
   const std::vector<std::uint8_t>& moves_;
   std::vector<Index> local_coordinate_;  // scratch: coordinates, -2: not in this group
   std::vector<GroupClass> classes_;
   std::unordered_multimap<std::size_t, Index> by_hash_;
+  std::vector<std::pair<GroupClass::Gear, Index>> gears_;  // different ones, and their callbacks
 };
 
 }  // namespace assur

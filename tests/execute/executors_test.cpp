@@ -40,8 +40,6 @@ double apply(Op op, double a, double b, double c, double d) {
       return std::fma(a, b, c);
     case Op::fnma:
       return std::fma(-a, b, c);
-    case Op::fms:
-      return std::fma(a, b, -c);
     case Op::square_root:
       return std::sqrt(a);
     case Op::absolute:
@@ -252,6 +250,39 @@ TEST(Fused, IsRoundedOnce) {
     if (k % 7 == 0) c = -a * b;
     if (k % 11 == 0) c = -a * b * (1 + std::ldexp(1.0, -static_cast<int>(random() % 60)));
     ASSERT_EQ(bits(fused_number(a, b, c)), bits(std::fma(a, b, c))) << a << " " << b << " " << c;
+  }
+}
+
+// Each lane picks its own number of a table that all share.
+TEST(Executors, PickNumbersByTheirPlace) {
+  constexpr std::uint32_t kFirst = 2;
+  for (const int lanes : {1, 2, 4, 8, 16}) {
+    Graph g;
+    const Value place = g.load({Memory::work, 0}), next = place + Value::set(1);
+    const Value taken = g.pick({Memory::factors, kFirst, Reach::one}, place);
+    const Value far = g.pick({Memory::factors, kFirst, Reach::one}, taken);
+    g.store({Memory::work, 1}, far + g.pick({Memory::factors, kFirst, Reach::one}, next) * place);
+    g.store({Memory::work, 2}, if_at_most(taken, place, taken, place));
+    const StepProgram program{{g.phase()}};
+    std::vector<double> table = {-1, -1};  // and then, from kFirst on: k -> 3 k mod 20
+    for (int k = 0; k < 20; ++k) table.push_back(3 * k % 20);
+    const auto at = [&](std::size_t k) { return table[kFirst + k]; };
+    for (const test::NamedExecutor& e : test::executors_of(program, {lanes})) {
+      SCOPED_TRACE(e.name);
+      test::StepMemory memory(kOnlyWork, lanes);
+      memory.at[static_cast<std::size_t>(Memory::factors)] = table.data();
+      const auto place_in = [](std::size_t lane) { return (5 * lane + 3) % 19; };
+      for (std::size_t l = 0; l < static_cast<std::size_t>(lanes); ++l) {
+        memory({Memory::work, 0}, l) = static_cast<double>(place_in(l));
+      }
+      e.executor->run(memory.at);
+      for (std::size_t l = 0; l < static_cast<std::size_t>(lanes); ++l) {
+        const std::size_t k = place_in(l);
+        const auto there = static_cast<std::size_t>(at(k));
+        EXPECT_EQ(memory({Memory::work, 1}, l), at(there) + at(k + 1) * static_cast<double>(k));
+        EXPECT_EQ(memory({Memory::work, 2}, l), std::min(at(k), static_cast<double>(k)));
+      }
+    }
   }
 }
 

@@ -1,10 +1,10 @@
-// Sine and cosine, and harmonics. Included once for each target, inside its HWY_NAMESPACE (see Highway,
-// "foreach_target.h").
-#if defined(ASSUR_SINE_INL) == defined(HWY_TARGET_TOGGLE)
-#ifdef ASSUR_SINE_INL
-#undef ASSUR_SINE_INL
+// Sine and cosine, the angle of a direction, and harmonics. Included once for each target, inside its HWY_NAMESPACE
+// (see Highway, "foreach_target.h").
+#if defined(ASSUR_ANGLES_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef ASSUR_ANGLES_INL
+#undef ASSUR_ANGLES_INL
 #else
-#define ASSUR_SINE_INL
+#define ASSUR_ANGLES_INL
 #endif
 
 #include <hwy/highway.h>
@@ -73,6 +73,48 @@ HWY_INLINE SinCos<L> sin_cos_of(const L& angle) {
   const L is_even = abs(abs(quadrant) - one), middle = L::set(0.5), minus = L::set(-1);
   return {if_at_most(is_even, middle, cosine, sine) * if_at_most(abs(quadrant - middle), one, one, minus),
           if_at_most(is_even, middle, sine, cosine) * if_at_most(abs(quadrant + middle), one, one, minus)};
+}
+
+// Minimax on |s| <= 1/2, found as above: (atan(s) / s - 1) / s^2 to 2^-57 of the arctangent, in s^2.
+inline constexpr double kArctangent[] = {-0x1.5555555555518p-2, 0x1.99999999914d8p-3,  -0x1.249249216fdc4p-3,
+                                         0x1.c71c7096894c0p-4,  -0x1.745cf54e5f3b7p-4, 0x1.3b114544a7417p-4,
+                                         -0x1.10f36752b9e4ap-4, 0x1.dfed12ffd87f6p-5,  -0x1.a3a7978967095p-5,
+                                         0x1.571e4f3d95f47p-5,  -0x1.c1fbf211153e1p-6, 0x1.4c2a36319bae3p-7};
+inline constexpr double kEighthTurn[] = {0x1.921fb54442d18p-1, 0x1.1a62633145c07p-55};  // pi/4 as a sum
+
+// The angle of the direction (x, y), from -pi to pi, within 1 unit in the last place where the larger size is in
+// 2^-500 ... 2^500. A zero counts as positive; NaN if both are zero.
+template <class L>
+HWY_INLINE L angle_of(const L& y, const L& x) {
+  const L zero = L::set(0), one = L::set(1), minus = L::set(-1);
+  const L up = abs(y), along = abs(x);
+  const L n = if_at_most(up, along, up, along), d = if_at_most(up, along, along, up);
+  // Within an eighth of a turn: atan(n / d) = atan(u / v), or pi/4 + atan(u / v).
+  const L twice = n + n, taken = if_at_most(twice, d, zero, d), added = if_at_most(twice, d, zero, n);
+  const L u = n - taken, v = d + added, lost = d - v + added, r = one / v;
+  const L s = u * r, z = s * s;
+  L rest = u;  // what rounding has left of u / v
+  rest.subtract_product(s, v);
+  rest.subtract_product(s, lost);
+  rest = rest * r;
+  L less = rest;
+  less.subtract_product(rest, z);
+  less.add_product(s * z, polynomial(kArctangent, z));
+  // |angle| = eighths pi/4 + side (s + less)
+  L eighths = if_at_most(twice, d, zero, one), side = one;
+  eighths = if_at_most(up, along, eighths, L::set(2) - eighths);
+  side = if_at_most(up, along, side, minus);
+  eighths = if_at_most(zero, x, eighths, L::set(4) - eighths);
+  side = if_at_most(zero, x, side, zero - side);
+  const L whole = eighths * L::set(kEighthTurn[0]), by = side * s, sum = whole + by;
+  L small = whole - sum + by;
+  L of_product = zero - whole;
+  of_product.add_product(eighths, L::set(kEighthTurn[0]));
+  of_product.add_product(eighths, L::set(kEighthTurn[1]));
+  small = small + of_product;
+  small.add_product(side, less);
+  const L angle = sum + small;
+  return if_at_most(zero, y, angle, zero - angle);
 }
 
 // The fractional part of frequency * t, like law_detail::cycles.
