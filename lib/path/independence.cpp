@@ -127,6 +127,15 @@ double Independence::largest_coefficient(const double* q) {
   for (std::size_t c = 0; c < q_.size(); ++c) {
     if (address_[c] >= 0) q_[c] = q[address_[c]];
   }
+  return largest_coefficient();
+}
+
+double Independence::largest_coefficient(std::span<const double> coordinates) {
+  std::copy(coordinates.begin(), coordinates.end(), q_.begin());
+  return largest_coefficient();
+}
+
+double Independence::largest_coefficient() {
   for (Unit& unit : units_) {
     if (!factorize(unit)) return kInfinity;
   }

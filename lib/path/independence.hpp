@@ -17,6 +17,8 @@ namespace assur {
 
 // A set with larger coefficients is worth replacing. A newly chosen set has coefficients of at most 1.5 (rank.cpp).
 inline constexpr double kPoorSet = 4;
+// A set with coefficients of at most this size is as good as a new choice.
+inline constexpr double kGoodSet = 2;
 
 // Coefficients of the watched equations.
 class Independence {
@@ -30,6 +32,8 @@ class Independence {
 
   // Largest |c_i| of all watched equations at a posture; infinite if the solved equations are dependent there.
   [[nodiscard]] double largest_coefficient(const double* q);
+  // The same for all coordinates of the system.
+  [[nodiscard]] double largest_coefficient(std::span<const double> coordinates);
 
  private:
   struct Entry {
@@ -48,6 +52,7 @@ class Independence {
   [[nodiscard]] bool in_solving_order();
   void differentiate(Row& row);
   [[nodiscard]] bool factorize(Unit& unit);
+  [[nodiscard]] double largest_coefficient();
   [[nodiscard]] double largest_of(Row& row);
 
   const System& system_;

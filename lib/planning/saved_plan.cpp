@@ -10,7 +10,7 @@
 #include "planning/check_plan.hpp"
 #include "planning/plan_fields.hpp"
 #include "scene/law_sum.hpp"
-#include "structure/gearing.hpp"
+#include "structure/class_gears.hpp"
 
 namespace assur {
 namespace {

@@ -45,12 +45,7 @@ class Writer {
       rate = rate + of_rate;
       acceleration = acceleration + 2 * half;
     }
-    for (const LawOutline::Tables& layer : block.tables) {
-      const Motions of = table(layer, t);
-      value = value + of.value;
-      rate = rate + of.rate;
-      acceleration = acceleration + of.acceleration;
-    }
+    for (const LawOutline::Tables& layer : block.tables) add_tables(layer, t, value, rate, acceleration);
     const auto put = [&](Memory memory, const Value& v) {
       graph_.store({memory, static_cast<std::uint32_t>(number) * static_cast<std::uint32_t>(of_.lanes), Reach::from},
                    v);
@@ -67,14 +62,11 @@ class Writer {
     return if_at_most(abs(value), row(largest), Value::set(0), Value::set(1));
   }
 
-  struct Motions {
-    Value value, rate, acceleration;
-  };
   // An interval of a table, in order; behind the last one is a beginning that is never reached.
   enum Interval : std::uint8_t { kBegin, kEnd, kFirst, kLast, kFirstBend, kLastBend, kIntervalSize };
 
-  // law_detail::evaluate() of each lane's table, in internal units; -0 where there is none, which changes no sum.
-  [[nodiscard]] Motions table(const LawOutline::Tables& layer, const Value& time) {
+  // Adds law_detail::evaluate() of each lane's table, in internal units.
+  void add_tables(const LawOutline::Tables& layer, const Value& time, Value& value, Value& rate, Value& acceleration) {
     const std::size_t w = static_cast<std::size_t>(of_.lanes);
     const auto lanes = [&](const auto& number) {
       std::vector<double> out(w);
@@ -113,14 +105,15 @@ class Writer {
     const Value one = Value::set(1), three = Value::set(3), six = Value::set(6);
     const Value h = to - from, a = (to - t) / h, b = (t - from) / h;
     const Value unit = row(layer.unit);
-    const auto finished = [&](const Value& v) {
-      const Value none = Value::set(kNan);
-      const Value covered = if_at_most(least, time, if_at_most(time, largest, v, none), none);
-      return if_at_most(is_there, Value::set(0), Value::set(-0.0), covered * unit);
+    // A lane without a table adds -0, which changes no number, or 0 to a sum without terms.
+    const auto add = [&](Value& sum, const Value& v) {
+      const Value undefined = Value::set(kNan), none = Value::set(sum.is_constant() ? 0.0 : -0.0);
+      const Value covered = if_at_most(least, time, if_at_most(time, largest, v, undefined), undefined);
+      sum = sum + if_at_most(is_there, Value::set(0), none, covered * unit);
     };
-    return {finished(a * y0 + b * y1 - a * b * h * h / six * ((one + a) * m0 + (one + b) * m1)),
-            finished((y1 - y0) / h + h / six * ((three * b * b - one) * m1 - (three * a * a - one) * m0)),
-            finished(a * m0 + b * m1)};
+    add(value, a * y0 + b * y1 - a * b * h * h / six * ((one + a) * m0 + (one + b) * m1));
+    add(rate, (y1 - y0) / h + h / six * ((three * b * b - one) * m1 - (three * a * a - one) * m0));
+    add(acceleration, a * m0 + b * m1);
   }
   // Appends the intervals of a table. most: the largest number of intervals
   [[nodiscard]] double place(const Law::Spline* table, std::size_t& most) {

@@ -388,8 +388,11 @@ struct Simulator::Impl {
   static void replace(std::unique_ptr<Impl>& impl, std::unique_ptr<Impl> next) {
     take_row(*impl, *next);
     next->others.reserve(kMostOthers);
-    if (next->others.size() == kMostOthers) next->others.erase(next->others.begin());
-    next->others.push_back(std::move(impl));
+    if (next->others.size() < kMostOthers) {
+      next->others.push_back(std::move(impl));
+    } else {
+      next->others.back() = std::move(impl);
+    }
     impl = std::move(next);
   }
 
@@ -403,27 +406,54 @@ struct Simulator::Impl {
   // The same motion with another independent set of the redundant equations, chosen at the last accepted posture. Null
   // if that set is the current one, or if it cannot be started there.
   std::unique_ptr<Impl> reselected() {
+    const std::vector<double> here = motion.posture();
+    if (auto next = known_that_is_good(here)) {
+      if (auto started = continued_by(std::move(next), here)) return started;
+    }
     if (!motion.has_time_for(slowest_choice)) return nullptr;
     const auto began_at = motion.now();
     try {
-      Prepared chosen = prepared.reselect(motion.posture(), motion.time());
+      Prepared chosen = prepared.reselect(here, motion.time());
       slowest_choice = std::max(slowest_choice, motion.now() - began_at);
       if (chosen.structure->checks != structure.checks) {
         chosen.reselect = prepared.reselect;
         const std::vector<double> posture = chosen.structure->start;
         std::unique_ptr<Impl> next = known(chosen.structure->checks);
-        if (!next) next = std::make_unique<Impl>(std::make_shared<const Prepared>(std::move(chosen)), limits);
-        next->start(motion.time(), posture, this);
-        const ErrorFigures there = next->report.error;
-        next->take_over(*this);
-        next->report.error.merge(there);
-        if (next->reselections++ == 0) next->first_reselection = motion.time();
-        return next;
+        if (!next) {
+          next = std::make_unique<Impl>(std::make_shared<const Prepared>(std::move(chosen)), limits);
+          next->number = number;
+          for (const auto& o : others) next->number = std::max(next->number, o->number);
+          ++next->number;
+        }
+        if (auto started = continued_by(std::move(next), posture)) return started;
       }
-    } catch (const Error&) {  // no other set can be started here
+    } catch (const Error&) {  // the posture has no other set
     }
     motion.keep_set();
     return nullptr;
+  }
+
+  // Takes out the simulator whose set is good at this posture, the oldest one if there are several: so a motion that is
+  // run again takes the same sets. Null if there is none.
+  std::unique_ptr<Impl> known_that_is_good(const std::vector<double>& posture) {
+    std::sort(others.begin(), others.end(), [](const auto& a, const auto& b) { return a->number < b->number; });
+    const auto found = std::find_if(others.begin(), others.end(),
+                                    [&](const auto& o) { return o->motion.set_is_good_at(posture); });
+    return found != others.end() ? known((*found)->structure.checks) : nullptr;
+  }
+
+  // The motion continued by another set from this posture; null if that set cannot be started there.
+  std::unique_ptr<Impl> continued_by(std::unique_ptr<Impl> next, const std::vector<double>& posture) {
+    try {
+      next->start(motion.time(), posture, this);
+    } catch (const Error&) {
+      return nullptr;
+    }
+    const ErrorFigures there = next->report.error;
+    next->take_over(*this);
+    next->report.error.merge(there);
+    if (next->reselections++ == 0) next->first_reselection = motion.time();
+    return next;
   }
 
   // Chooses another set before the current one is close to being dependent.
@@ -519,9 +549,10 @@ struct Simulator::Impl {
   ErrorFigures earlier_error;            // estimated errors of the chunks
   std::unique_ptr<OutputSlopes> slopes;  // null before the first jacobian()
   std::size_t own_lines = 0;             // lines that report_effort() added at the end of report.fallbacks
-  // Simulators of the same motion with other sets of the redundant equations, the latest one last.
-  static constexpr std::size_t kMostOthers = 4;
+  // Simulators of the same motion with other sets of the redundant equations.
+  static constexpr std::size_t kMostOthers = 8;
   std::vector<std::unique_ptr<Impl>> others;
+  std::int64_t number = 0;  // among them, in the order in which they were made
   std::int64_t reselections = 0;
   double first_reselection = 0;                           // time
   std::chrono::steady_clock::duration slowest_choice{0};  // time that a choice of other equations took

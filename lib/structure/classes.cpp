@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "index.hpp"
-#include "structure/gearing.hpp"
+#include "structure/class_gears.hpp"
 
 namespace assur {
 namespace {

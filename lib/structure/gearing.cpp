@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <utility>
 
 #include "index.hpp"
 #include "scene/gear.hpp"
@@ -22,26 +21,6 @@ bool counts_turns(const Callback& c) {
 bool count_turns(const System& s) {
   return std::any_of(s.callbacks.begin(), s.callbacks.end(),
                      [](const CallbackBlock& block) { return counts_turns(*block.callback); });
-}
-
-std::optional<GroupClass::Gear> gear_of_class(const CallbackBlock& block) {
-  const auto numbers = numbers_of(*block.callback);
-  if (!numbers) return {};
-  GroupClass::Gear gear{{}, numbers->is_periodic, block.unit};
-  for (const GearNumbers::Side& side : numbers->sides) {
-    gear.sides.push_back({side.factor, static_cast<std::int32_t>(side.arguments())});
-  }
-  return gear;
-}
-
-void find_gears(const System& s, GroupClass& c) {
-  for (GroupClass::Equation& e : c.equations) {
-    if (e.callback < 0) continue;
-    auto gear = gear_of_class(s.callbacks[idx(e.callback)]);
-    if (!gear) continue;
-    e.gear = static_cast<Index>(c.gears.size());
-    c.gears.push_back(std::move(*gear));
-  }
 }
 
 std::vector<WalkedPart> parts_of_gears(const System& s, const std::vector<WalkedPart>& all) {

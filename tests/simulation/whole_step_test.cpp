@@ -14,6 +14,7 @@
 #include "assur/simulator.hpp"
 #include "execute/step_code.hpp"
 #include "numbers.hpp"
+#include "scene/lowering.hpp"
 #include "scene/shipped_files.hpp"
 #include "scene/system.hpp"
 #include "signals/drive_program.hpp"
@@ -136,8 +137,7 @@ TEST_F(WholeStepTest, LeavesWhatIsUnusualToTheGeneralPath) {
 
 // Driven coordinates by machine code and by kernels, also for angles that are too large for both.
 void expect_the_same_laws(const Scene& scene, StepCode& code) {
-  const Prepared prepared = prepare(scene);
-  const System& system = *prepared.structure->system;
+  const System system = lower(std::make_shared<const Scene>(scene), {}, false);
   DriveProgram by_kernels(system, all_driven(system)), by_code = by_kernels;
   by_code.use(code);
   for (const double t : {0.0, 0.1, 1.7, -3.4, 1e3, 1e5, 1e9}) {
@@ -169,14 +169,14 @@ TEST_F(WholeStepTest, HasTheLawsOfTheKernels) {
   const auto with_tables = [&](const std::string&, const Law& law) {
     Law sum = law;
     for (std::size_t count = draw.below(3); count > 0; --count) {
-      std::vector<double> time = {draw.real(-5e3, 0)}, value = {draw.real(-1, 1)};
-      for (std::size_t k = draw.below(40) + 2; k > 0; --k) {
-        time.push_back(time.back() + draw.real(0.1, k % 9 == 0 ? 1e4 : 1));
-        value.push_back(draw.real(-1, 1));
+      const bool is_monotone = draw.below(2) == 0, repeats = draw.below(2) == 0;
+      std::vector<double> time = {draw.real(-9, 0)}, value = {draw.real(-0.01, 0.01)};
+      for (std::size_t k = draw.below(40) + 15; k > 0; --k) {
+        time.push_back(time.back() + draw.real(0.5, is_monotone ? 9 : 1));
+        value.push_back(draw.real(-0.01, 0.01));
       }
-      const bool repeats = draw.below(2) == 0;
       if (repeats) value.back() = value.front();
-      sum = sum + Law::table(time, value, repeats, draw.below(2) == 0);
+      sum = sum + Law::table(time, value, repeats, is_monotone);
     }
     return sum;
   };
