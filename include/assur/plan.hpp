@@ -90,10 +90,10 @@ struct Prepared {
   std::vector<std::string> controlled;              // PrepareOptions::controlled
   std::optional<double> start_time = std::nullopt;  // time of structure->start, s; empty: time.start
   std::vector<double> start_limits = {};  // for the library: limited quantities at start_time; empty: not known yet
-  // For use inside the library. Prepares the scene again with redundant equations chosen at a posture (all coordinates,
-  // internal units) and time. Empty if the scene has no redundant equations, or if load_plan() made this. Throws like
+  // For use inside the library. Prepares the scene again with redundant equations chosen at a posture, see
+  // StructureOptions. Empty if the scene has no redundant equations, or if load_plan() made this. Throws like
   // prepare().
-  std::function<Prepared(std::vector<double> posture, double time)> reselect;
+  std::function<Prepared(std::vector<double> posture, double time, std::vector<std::int32_t> checked)> reselect;
   std::shared_ptr<StepCode> code = nullptr;  // for use inside the library; null: without machine code
 };
 

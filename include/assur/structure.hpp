@@ -193,7 +193,8 @@ struct StructureOptions {
   // For use inside the library: a posture (all coordinates of Structure::system, internal units) that replaces the
   // guess, for example to choose other independent equations among redundant ones. Empty: the guess of the scene.
   std::vector<double> posture;
-  double time = 0;  // time of `posture`, s
+  double time = 0;                         // time of `posture`, s
+  std::vector<std::int32_t> checked = {};  // the equations that are rather checked than solved, if they are redundant
 };
 
 // Finds the groups of a scene and assembles its start posture. Undetermined scenes and scenes that cannot be assembled

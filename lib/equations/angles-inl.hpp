@@ -117,6 +117,12 @@ HWY_INLINE L angle_of(const L& y, const L& x) {
   return if_at_most(zero, y, angle, zero - angle);
 }
 
+// The same with the sign of y, also if it is a zero, as atan2() of the C library.
+template <class L>
+HWY_INLINE L signed_angle_of(const L& y, const L& x) {
+  return copy_sign(angle_of(abs(y), x), y);
+}
+
 // The fractional part of frequency * t, like law_detail::cycles.
 template <class L>
 HWY_INLINE L cycles(const L& frequency, const L& t) {

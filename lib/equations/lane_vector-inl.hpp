@@ -76,6 +76,11 @@ struct Lanes {
     for (int i = 0; i < kVectors; ++i) a.v[i] = hn::Sqrt(a.v[i]);
     return a;
   }
+  // |a| with the sign of b
+  friend HWY_INLINE HWY_ATTR Lanes copy_sign(Lanes a, const Lanes& b) {
+    for (int i = 0; i < kVectors; ++i) a.v[i] = hn::CopySign(a.v[i], b.v[i]);
+    return a;
+  }
   // To the nearest integer, halves to even.
   friend HWY_INLINE HWY_ATTR Lanes round(Lanes a) {
     for (int i = 0; i < kVectors; ++i) a.v[i] = hn::Round(a.v[i]);

@@ -121,9 +121,9 @@ class Continuation {
   [[nodiscard]] bool wants_reselection() const { return wants_reselection_; }
   // True if another set of the redundant equations would be better at the current posture than the set that is solved.
   [[nodiscard]] bool set_is_poor() { return mechanism_.set_is_poor(state_.at(0), report_.counters.branch_checks); }
-  // True if the set is as good as a new choice at a posture, all coordinates.
-  [[nodiscard]] bool set_is_good_at(std::span<const double> coordinates) {
-    return mechanism_.set_is_good_at(coordinates);
+  // See Mechanism.
+  [[nodiscard]] std::vector<std::int32_t> checks_chosen_anew(std::span<const double> posture) const {
+    return mechanism_.checks_chosen_anew(posture);
   }
   // To be called if no better set was found: set_is_poor() is then false until the set is twice as poor.
   void keep_set() {

@@ -10,6 +10,7 @@
 #include "index.hpp"
 #include "numbers.hpp"
 #include "structure/dense_block.hpp"
+#include "structure/independent_rows.hpp"
 
 namespace assur {
 namespace {
@@ -127,15 +128,6 @@ double Independence::largest_coefficient(const double* q) {
   for (std::size_t c = 0; c < q_.size(); ++c) {
     if (address_[c] >= 0) q_[c] = q[address_[c]];
   }
-  return largest_coefficient();
-}
-
-double Independence::largest_coefficient(std::span<const double> coordinates) {
-  std::copy(coordinates.begin(), coordinates.end(), q_.begin());
-  return largest_coefficient();
-}
-
-double Independence::largest_coefficient() {
   for (Unit& unit : units_) {
     if (!factorize(unit)) return kInfinity;
   }
@@ -145,6 +137,37 @@ double Independence::largest_coefficient() {
     if (!(of_row <= largest)) largest = of_row;
   }
   return largest;
+}
+
+std::vector<Index> Independence::chosen_anew(std::span<const double> coordinates) {
+  std::copy(coordinates.begin(), coordinates.end(), q_.begin());
+  std::vector<Row*> rows;
+  std::vector<Eigen::Index> first_column;  // units
+  Eigen::Index columns = 0;
+  for (Unit& unit : units_) {
+    for (Row& row : unit.rows) rows.push_back(&row);
+    first_column.push_back(columns);
+    columns += static_cast<Eigen::Index>(unit.unknowns.size());
+  }
+  for (Row& row : dropped_) rows.push_back(&row);
+  std::sort(rows.begin(), rows.end(), [](const Row* a, const Row* b) { return a->equation < b->equation; });
+  Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(rows.size()), columns);
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    differentiate(*rows[r]);
+    for (const Entry& e : rows[r]->entries) {
+      const Index unit = unit_of_[idx(e.coordinate)];
+      if (unit < 0) continue;
+      jacobian(static_cast<Eigen::Index>(r), first_column[idx(unit)] + place_[idx(e.coordinate)]) = e.value;
+    }
+  }
+  const Eigen::MatrixXd scaled = scaled_rows(std::move(jacobian));
+  if (factored(scaled.transpose()).rank() != columns) return {};
+  std::vector<Index> out;
+  const std::vector<Eigen::Index> order = independent_first(scaled, columns);
+  for (std::size_t k = static_cast<std::size_t>(columns); k < order.size(); ++k) {
+    out.push_back(rows[static_cast<std::size_t>(order[k])]->equation);
+  }
+  return out;
 }
 
 void Independence::differentiate(Row& row) {

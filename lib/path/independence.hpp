@@ -17,8 +17,6 @@ namespace assur {
 
 // A set with larger coefficients is worth replacing. A newly chosen set has coefficients of at most 1.5 (rank.cpp).
 inline constexpr double kPoorSet = 4;
-// A set with coefficients of at most this size is as good as a new choice.
-inline constexpr double kGoodSet = 2;
 
 // Coefficients of the watched equations.
 class Independence {
@@ -32,8 +30,9 @@ class Independence {
 
   // Largest |c_i| of all watched equations at a posture; infinite if the solved equations are dependent there.
   [[nodiscard]] double largest_coefficient(const double* q);
-  // The same for all coordinates of the system.
-  [[nodiscard]] double largest_coefficient(std::span<const double> coordinates);
+  // The equations that a new choice among all of these, as in rank.cpp, watches at a posture, all coordinates. Empty if
+  // there are not as many independent ones.
+  [[nodiscard]] std::vector<Index> chosen_anew(std::span<const double> coordinates);
 
  private:
   struct Entry {
@@ -52,7 +51,6 @@ class Independence {
   [[nodiscard]] bool in_solving_order();
   void differentiate(Row& row);
   [[nodiscard]] bool factorize(Unit& unit);
-  [[nodiscard]] double largest_coefficient();
   [[nodiscard]] double largest_of(Row& row);
 
   const System& system_;

@@ -84,6 +84,18 @@ double Mechanism::largest_coefficient(const double* q, std::int64_t branch_check
   return largest_coefficient_;
 }
 
+std::vector<std::int32_t> Mechanism::checks_chosen_anew(std::span<const double> coordinates) const {
+  if (!independence_) return {};
+  std::vector<std::int32_t> checks = independence_->chosen_anew(coordinates);
+  if (checks.empty()) return {};
+  const std::vector<std::int32_t>& watched = structure_.watch.equations;
+  for (const std::int32_t e : structure_.checks) {
+    if (std::find(watched.begin(), watched.end(), e) == watched.end()) checks.push_back(e);
+  }
+  std::sort(checks.begin(), checks.end());
+  return checks;
+}
+
 AngleTurns::Way Mechanism::follow_angles(const double* q, double seconds, double times) {
   AngleTurns::Way way = AngleTurns::Way::known;
   each_turns([&](AngleTurns& turns) {

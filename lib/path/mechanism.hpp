@@ -70,10 +70,8 @@ class Mechanism {
   // Largest coefficient of a redundant equation in terms of those that are solved. branch_checks: number of anchors;
   // it is computed once for each.
   [[nodiscard]] double largest_coefficient(const double* q, std::int64_t branch_checks);
-  // True if this set is as good as a new choice at a posture, all coordinates.
-  [[nodiscard]] bool set_is_good_at(std::span<const double> coordinates) {
-    return independence_ && independence_->largest_coefficient(coordinates) <= kGoodSet;
-  }
+  // The redundant equations that a new choice checks at a posture, all coordinates, in ascending order; empty: unknown
+  [[nodiscard]] std::vector<std::int32_t> checks_chosen_anew(std::span<const double> coordinates) const;
   // True if another set of the redundant equations would be better.
   [[nodiscard]] bool set_is_poor(const double* q, std::int64_t branch_checks) {
     return !(largest_coefficient(q, branch_checks) <= poor_);

@@ -133,6 +133,7 @@ std::shared_ptr<const Structure> structure_for(const Scene& scene, const Prepare
   wanted.controlled = options.controlled;
   wanted.posture = start.posture;
   wanted.time = start.time;
+  wanted.checked = start.checked;
   if (predictor.kind == Predictor::Kind::taylor) wanted.predictor_derivatives = predictor.order;
   if (predictor.kind == Predictor::Kind::hermite) wanted.predictor_derivatives = 2;
   auto structure = std::make_shared<const Structure>(analyze(scene, wanted, start.at_rest));
@@ -252,8 +253,8 @@ Prepared finished(const Scene& scene, const PrepareOptions& options, Choice& cho
   if (options.machine_code) out.code = step_code();
   out.plan = std::move(choice.plan);
   if (!choice.structure->redundant.empty()) {
-    out.reselect = [scene, options](std::vector<double> at, double t) {
-      return prepare_at(scene, options, {std::move(at), t, false});
+    out.reselect = [scene, options](std::vector<double> at, double t, std::vector<std::int32_t> checked) {
+      return prepare_at(scene, options, {std::move(at), t, false, AtRest::left_out, std::move(checked)});
     };
   }
   out.structure = std::move(choice.structure);

@@ -14,6 +14,7 @@ struct KnownStart {
   double time = 0;              // s
   bool is_first = true;         // false: the functions of the scene have been checked at another posture
   AtRest at_rest = AtRest::left_out;
+  std::vector<std::int32_t> checked = {};  // see StructureOptions
 };
 
 // like: null, or its plan is taken if the structures are the same.

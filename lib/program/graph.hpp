@@ -88,6 +88,7 @@ class Graph {
 [[nodiscard]] inline Value operator*(double a, const Value& b) { return Value::set(a) * b; }
 [[nodiscard]] inline Value sqrt(const Value& a) { return make(Op::square_root, a); }
 [[nodiscard]] inline Value abs(const Value& a) { return make(Op::absolute, a); }
+[[nodiscard]] inline Value copy_sign(const Value& a, const Value& b) { return make(Op::copy_sign, a, b); }
 [[nodiscard]] inline Value round(const Value& a) { return make(Op::round, a); }
 [[nodiscard]] inline Value max(const Value& a, const Value& b) { return make(Op::larger, a, b); }
 // a <= b ? yes : no

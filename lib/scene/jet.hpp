@@ -142,15 +142,20 @@ Jet<T> cos(const Jet<T>& a) {
   return cos_sin(a).cosine;
 }
 
-// Angle of (x, y) from +x in (-pi, pi]. Derivatives are not finite at the origin.
+// Angle of (x, y) with this value. Derivatives are not finite at the origin.
 template <class T>
-Jet<T> atan2(const Jet<T>& y, const Jet<T>& x) {
-  using std::atan2;
+Jet<T> angle_of(const Scalar<T>& value, const Jet<T>& y, const Jet<T>& x) {
   const T square = x.value * x.value + y.value * y.value;
   const T rate = (x.value * y.rate - y.value * x.rate) / square;
   const T radial = (x.value * x.rate + y.value * y.rate) / square;
   const T acceleration = (x.value * y.acceleration - y.value * x.acceleration) / square - 2 * (rate * radial);
-  return {atan2(y.value, x.value), rate, acceleration};
+  return {value, rate, acceleration};
+}
+// From +x in (-pi, pi].
+template <class T>
+Jet<T> atan2(const Jet<T>& y, const Jet<T>& x) {
+  using std::atan2;
+  return angle_of<T>(atan2(y.value, x.value), y, x);
 }
 
 }  // namespace assur

@@ -31,7 +31,7 @@ struct Variant {
   std::shared_ptr<const System> system;
   std::vector<double> posture;  // all coordinates, internal units
   double time = 0;
-  std::function<Prepared(std::vector<double>, double)> reselect;  // as in Prepared
+  decltype(Prepared::reselect) reselect;  // as in Prepared
   std::vector<double> limited = {};                               // limited quantities, as Prepared::start_limits
   // Set: the system is kept from start to start, and only its numbers change; these say which ones change besides those
   // of groups.

@@ -30,6 +30,12 @@ void sin_cos(const double* angles, std::size_t count, double* sines, double* cos
   }
 }
 
+void angles(const double* y, const double* x, std::size_t count, double* angles) {
+  for (std::size_t i = 0; i < count; i += kAngleBlock) {
+    signed_angle_of(L::load(y + i), L::load(x + i)).store(angles + i);
+  }
+}
+
 void add_harmonics(const HarmonicBlock* blocks, std::size_t count, double time, double* values, double* rates,
                    double* accelerations) {
   const L t = L::set(time), turn = L::set(law_detail::two_pi<double>());
@@ -44,7 +50,7 @@ void add_harmonics(const HarmonicBlock* blocks, std::size_t count, double time, 
   }
 }
 
-constexpr AngleKernels kKernels = {sin_cos, add_harmonics};
+constexpr AngleKernels kKernels = {sin_cos, angles, add_harmonics};
 const AngleKernels* kernels() { return &kKernels; }
 
 }  // namespace

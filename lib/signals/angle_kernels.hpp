@@ -1,4 +1,4 @@
-// Sines and cosines side by side, in the SIMD target of the machine.
+// Sines, cosines and angles side by side, in the SIMD target of the machine.
 #pragma once
 
 #include <cstddef>
@@ -24,6 +24,9 @@ struct AngleKernels {
   // Sines and cosines, within 1 unit in the last place (2 if the result is below 2^-30); NaN if the angle is not
   // finite. Arrays: count, padded; the padding of the results is arbitrary.
   void (*sin_cos)(const double* angles, std::size_t count, double* sines, double* cosines);
+
+  // Angles of directions (x, y), within 1 unit in the last place; NaN if both are zero. Arrays: count, padded.
+  void (*angles)(const double* y, const double* x, std::size_t count, double* angles);
 
   // Adds the terms at time t, and their derivatives, to the slots.
   void (*add_harmonics)(const HarmonicBlock* blocks, std::size_t count, double t, double* values, double* rates,

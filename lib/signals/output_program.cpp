@@ -7,6 +7,7 @@
 #include <numbers>
 #include <utility>
 
+#include "equations/angles-inl.hpp"
 #include "index.hpp"
 #include "numbers.hpp"
 #include "program/graph.hpp"
@@ -93,7 +94,7 @@ void OutputProgram::add(const System& s, std::span<const std::int32_t> address, 
     form_start_.push_back(static_cast<std::int32_t>(terms_.size()));
   }
   part.forms_end = static_cast<std::int32_t>(form_start_.size()) - 1;
-  const bool is_signed = m.kind == MeasureForms::Kind::absolute_angle || m.kind == MeasureForms::Kind::signed_angle;
+  const bool is_signed = part.is_signed_angle();
   if (is_signed) part.arm = add_arm(part, address[kOne]);
   if (is_signed && column[0] >= 0) {
     part.angle = static_cast<std::int32_t>(angles_.size());
@@ -211,8 +212,9 @@ void OutputProgram::add_row(const Neighbours& n) {
   rows_.push_back(row);
 }
 
-// The sums of evaluate_linear() with the constants.
-StepProgram OutputProgram::linear_step() const {
+// Linear outputs with their constants, and signed angles: Memory::settings has their turns, and Memory::figures takes
+// the divisors of the measures.
+StepProgram OutputProgram::output_step() const {
   Graph graph;
   constexpr Memory kState[] = {Memory::state, Memory::state_rates, Memory::state_accelerations};
   const Value zero = graph.load({Memory::factors, 0, Reach::one});  // so that no output is -0
@@ -236,13 +238,39 @@ StepProgram OutputProgram::linear_step() const {
       put(sum.column[d], total);
     }
   }
+  const auto jet = [&](std::int32_t form) {
+    Value of[3] = {zero, zero, zero};
+    for (std::size_t d = 0; d < 3; ++d) {
+      for (const TermAt& t : terms_of(form)) of[d] = add(of[d], t.address, t.factor, d);
+    }
+    return Jet<Value>{of[0], of[1], of[2]};
+  };
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    const Part& p = parts_[i];
+    if (!p.is_signed_angle()) continue;
+    const auto [x, y] = arm_jets<Value>(p, jet);
+    graph.store({Memory::figures, static_cast<std::uint32_t>(i), Reach::one}, x.value * x.value + y.value * y.value);
+    Value angle = HWY_NAMESPACE::signed_angle_of(y.value, x.value);
+    if (p.angle >= 0) {
+      angle =
+          angle + Value::set(kTurn) * graph.load({Memory::settings, static_cast<std::uint32_t>(p.angle), Reach::one});
+    }
+    const Jet<Value> m = assur::angle_of<Value>(angle, y, x);
+    put(p.column[0], m.value);
+    put(p.column[1], m.rate);
+    put(p.column[2], m.acceleration);
+  }
   return {{graph.phase()}, {}};
 }
 
 bool OutputProgram::use(StepCode& code) {
-  const std::size_t operations = 3 * motions_.size() + lines_.size() + sum_terms_.size();
+  constexpr std::size_t kOfAngle = 150;  // operations
+  const auto angles = static_cast<std::size_t>(
+      std::count_if(parts_.begin(), parts_.end(), [](const Part& p) { return p.is_signed_angle(); }));
+  const std::size_t operations =
+      3 * motions_.size() + lines_.size() + sum_terms_.size() + 3 * terms_.size() + kOfAngle * angles;
   if (operations == 0 || operations > kMostInstructions) return false;
-  code_ = code.of(linear_step(), 1);
+  code_ = code.of(output_step(), 1);
   return code_ != nullptr;
 }
 
@@ -331,31 +359,72 @@ double OutputProgram::size_of_arm(std::size_t i, const double* q) const {
 
 void OutputProgram::evaluate(const double* const (&state)[3], double* out, const double* turns, double* divisors,
                              std::size_t part, std::size_t parts) const {
-  evaluate_linear(state, out, 1, part, parts);
-  for (const Part& measure : share(parts_, part, parts)) {
-    auto [m, divisor] = evaluate(measure, state);
-    divisors[&measure - parts_.data()] = divisor;
-    if (measure.angle >= 0) m.value += 2 * std::numbers::pi * turns[measure.angle];
-    const double value[3] = {m.value, m.rate, m.acceleration};
-    for (std::size_t d = 0; d < 3; ++d) {
-      if (measure.column[d] >= 0) out[measure.column[d]] = value[d] * measure.unit;
-    }
+  const std::span<const Part> among = share(parts_, part, parts);
+  if (code_ && parts == 1) {
+    evaluate_by_code(state, out, turns, divisors);
+  } else {
+    evaluate_linear(state, out, 1, part, parts);
+    evaluate_angles(state, out, turns, divisors, among);
+  }
+  for (const Part& measure : among) {
+    if (measure.is_signed_angle()) continue;
+    Jet<double> forms[9];
+    evaluate_forms(measure, state, forms);
+    divisors[&measure - parts_.data()] = divisor_of<double>(measure.kind, {forms, 9}, dimension_);
+    put(measure, evaluate_measure<double>(measure.kind, {forms, 9}, dimension_), out);
   }
 }
 
-OutputProgram::Measured OutputProgram::evaluate(const Part& measure, const double* const (&state)[3]) const {
-  const auto angle_of = [](const Jet<double>& x, const Jet<double>& y) {
-    return Measured{atan2(y, x), x.value * x.value + y.value * y.value};
-  };
-  if (measure.arm >= 0) return angle_of(jet_of(measure.arm, state), jet_of(measure.arm + 1, state));
-  Jet<double> forms[9];
-  evaluate_forms(measure, state, forms);
-  if (measure.kind == MeasureForms::Kind::signed_angle) {
-    const ArmOf<Jet<double>> arm = arm_of<Jet<double>>(measure.kind, forms, dimension_);
-    return angle_of(arm.x, arm.y);
+void OutputProgram::put(const Part& measure, const Jet<double>& m, double* out) {
+  const double value[3] = {m.value, m.rate, m.acceleration};
+  for (std::size_t d = 0; d < 3; ++d) {
+    if (measure.column[d] >= 0) out[measure.column[d]] = value[d] * measure.unit;
   }
-  return {evaluate_measure<double>(measure.kind, {forms, 9}, dimension_),
-          divisor_of<double>(measure.kind, {forms, 9}, dimension_)};
+}
+
+// Signed angles, eight side by side. Their unit is 1.
+void OutputProgram::evaluate_angles(const double* const (&state)[3], double* out, const double* turns, double* divisors,
+                                    std::span<const Part> among) const {
+  const Part* waiting[kAngleBlock];
+  ArmOf<Jet<double>> arms[kAngleBlock];
+  double x[kAngleBlock], y[kAngleBlock], angles[kAngleBlock];
+  std::size_t count = 0;
+  const auto finish = [&] {
+    for (std::size_t i = 0; i < kAngleBlock; ++i) {
+      x[i] = i < count ? arms[i].x.value : 1;
+      y[i] = i < count ? arms[i].y.value : 0;
+    }
+    kernels_->angles(y, x, count, angles);
+    for (std::size_t i = 0; i < count; ++i) {
+      const Part& measure = *waiting[i];
+      divisors[&measure - parts_.data()] = x[i] * x[i] + y[i] * y[i];
+      if (measure.angle >= 0) angles[i] += kTurn * turns[measure.angle];
+      put(measure, angle_of<double>(angles[i], arms[i].y, arms[i].x), out);
+    }
+    count = 0;
+  };
+  for (const Part& measure : among) {
+    if (!measure.is_signed_angle()) continue;
+    waiting[count] = &measure;
+    arms[count] = arm_jets<double>(measure, [&](std::int32_t form) { return jet_of(form, state); });
+    if (++count == kAngleBlock) finish();
+  }
+  if (count > 0) finish();
+}
+
+void OutputProgram::evaluate_by_code(const double* const (&state)[3], double* out, const double* turns,
+                                     double* divisors) const {
+  static constexpr double kZero = 0;
+  std::array<double*, kMemories> memory;  // the code reads no other
+  const auto give = [&](Memory m, const double* at) { memory[static_cast<std::size_t>(m)] = const_cast<double*>(at); };
+  give(Memory::factors, &kZero);
+  give(Memory::state, state[0]);
+  give(Memory::state_rates, state[1]);
+  give(Memory::state_accelerations, state[2]);
+  give(Memory::settings, turns);
+  give(Memory::figures, divisors);
+  give(Memory::outputs, out);
+  code_->run(memory);
 }
 
 void OutputProgram::differentiate(const double* const (&state)[3], const double* const (&change)[3], RandomSign* sign,
@@ -401,17 +470,6 @@ void OutputProgram::add_up(double* out, double constant) const {
 // constant: factor of the offsets.
 void OutputProgram::evaluate_linear(const double* const (&state)[3], double* out, double constant, std::size_t part,
                                     std::size_t parts) const {
-  if (code_ && constant == 1 && parts == 1) {
-    static constexpr double kZero = 0;
-    const auto at = [](const double* memory) { return const_cast<double*>(memory); };
-    std::array<double*, kMemories> memory;  // the code reads no other
-    memory[static_cast<std::size_t>(Memory::factors)] = at(&kZero);
-    memory[static_cast<std::size_t>(Memory::state)] = at(state[0]);
-    memory[static_cast<std::size_t>(Memory::state_rates)] = at(state[1]);
-    memory[static_cast<std::size_t>(Memory::state_accelerations)] = at(state[2]);
-    memory[static_cast<std::size_t>(Memory::outputs)] = out;
-    return code_->run(memory);
-  }
   if (!rows_.empty()) evaluate_rows_(share(rows_, part, parts), row_terms_.data(), state, constant, out);
   const double *const q = state[0], *const rate = state[1], *const acceleration = state[2];
   for (const Motion& m : share(motions_, part, parts)) {

@@ -11,6 +11,7 @@
 #include "scene/jet.hpp"
 #include "scene/outputs.hpp"
 #include "scene/system.hpp"
+#include "signals/angle_kernels.hpp"
 #include "signals/form_kernels.hpp"
 #include "signals/orientation.hpp"
 #include "signals/random_sign.hpp"
@@ -130,7 +131,7 @@ class OutputProgram {
   // Evaluates outputs side by side that read neighbouring numbers of the state, as the lanes of a pack are. To be
   // called after mark(); bind() returns to one output after the other. size: of the state.
   void find_rows(std::size_t size);
-  // Instead of find_rows(): evaluates all linear outputs by machine code. False if there is none.
+  // Instead of find_rows(): evaluates linear outputs and signed angles by machine code. False if there is none.
   [[nodiscard]] bool use(StepCode& code);
   [[nodiscard]] std::size_t rows() const { return rows_.size(); }
 
@@ -171,6 +172,10 @@ class OutputProgram {
     std::array<std::int32_t, 3> column;  // of value, rate, acceleration; -1: not wanted
     std::int32_t angle = -1;             // index into angles(); -1: none
     std::int32_t arm = -1;               // a signed angle is atan2 of the forms arm + 1 and arm; -1: of products
+
+    [[nodiscard]] bool is_signed_angle() const {
+      return kind == MeasureForms::Kind::absolute_angle || kind == MeasureForms::Kind::signed_angle;
+    }
   };
   // An output with all derivatives that is linear in one coordinate, in SI units: offset + factor * coordinate.
   struct Motion {
@@ -196,11 +201,18 @@ class OutputProgram {
                        std::size_t parts) const;
   void evaluate_forms(const Part& measure, const double* const (&state)[3], Jet<double> (&forms)[9]) const;
   [[nodiscard]] Jet<double> jet_of(std::int32_t form, const double* const (&state)[3]) const;
-  struct Measured {
-    Jet<double> value;
-    double divisor;
-  };
-  [[nodiscard]] Measured evaluate(const Part& measure, const double* const (&state)[3]) const;
+  void evaluate_angles(const double* const (&state)[3], double* out, const double* turns, double* divisors,
+                       std::span<const Part> among) const;
+  void evaluate_by_code(const double* const (&state)[3], double* out, const double* turns, double* divisors) const;
+  // The arm of a signed angle. jet(form): value and derivatives of a form
+  template <class T, class JetOf>
+  [[nodiscard]] ArmOf<Jet<T>> arm_jets(const Part& measure, const JetOf& jet) const {
+    if (measure.arm >= 0) return {jet(measure.arm), jet(measure.arm + 1)};
+    Jet<T> forms[9];
+    for (std::int32_t f = measure.forms_begin; f < measure.forms_end; ++f) forms[f - measure.forms_begin] = jet(f);
+    return arm_of<Jet<T>>(measure.kind, {forms, 9}, dimension_);
+  }
+  static void put(const Part& measure, const Jet<double>& m, double* out);
   [[nodiscard]] std::span<const TermAt> terms_of(std::int32_t form) const {
     const auto f = static_cast<std::size_t>(form);
     return {terms_.data() + form_start_[f], terms_.data() + form_start_[f + 1]};
@@ -225,9 +237,10 @@ class OutputProgram {
     double factor;
   };
   void add_up(double* out, double constant) const;
-  [[nodiscard]] StepProgram linear_step() const;
+  [[nodiscard]] StepProgram output_step() const;
 
-  std::shared_ptr<const Executor> code_;  // linear outputs; null: none
+  std::shared_ptr<const Executor> code_;  // linear outputs and signed angles; null: none
+  const AngleKernels* kernels_ = &angle_kernels();
   EvaluateForms evaluate_rows_ = assur::evaluate_forms();
   int dimension_ = 2;
   std::vector<Total> totals_;

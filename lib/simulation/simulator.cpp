@@ -180,7 +180,7 @@ void Simulator::reset() {
   if (std::exchange(impl_->fresh, false)) return;
   const double start = impl_->first->start_time.value_or(impl_->first->time.start);
   if (impl_->first != impl_->owned) {
-    Impl::begin_anew(impl_, std::make_unique<Impl>(impl_->first, impl_->limits, start));
+    Impl::return_to_first(impl_, start);
   } else {
     impl_->start(start, impl_->structure.start);
   }

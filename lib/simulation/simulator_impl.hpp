@@ -75,6 +75,7 @@ struct Simulator::Impl {
     motion.follow(turns);
     row.resize(columns.size());
     divisors.resize(outputs.measures());
+    checks = sorted(structure.checks);
     motion.before_dividing([this] {
       undivided = false;
       keep_start_of_step(true);
@@ -84,6 +85,11 @@ struct Simulator::Impl {
   }
   Impl(std::shared_ptr<const Prepared> p, StepLimits l, double start_time) : Impl(std::move(p), l) {
     start(start_time, structure.start);
+  }
+
+  static std::vector<std::int32_t> sorted(std::vector<std::int32_t> equations) {
+    std::sort(equations.begin(), equations.end());
+    return equations;
   }
 
   void clear() {
@@ -356,7 +362,7 @@ struct Simulator::Impl {
   // orders of that time.
   static void restore(std::unique_ptr<Impl>& impl, const Snapshot& from) {
     if (impl->structure.checks != from.prepared->structure->checks) {
-      std::unique_ptr<Impl> next = impl->known(from.prepared->structure->checks);
+      std::unique_ptr<Impl> next = impl->known(sorted(from.prepared->structure->checks));
       if (!next) {
         next = std::make_unique<Impl>(from.prepared, impl->limits);
         next->motion.restart_solvers();
@@ -368,10 +374,9 @@ struct Simulator::Impl {
     impl->restore(from);
   }
 
-  // Takes out the simulator that watches these equations; null if there is none.
-  std::unique_ptr<Impl> known(const std::vector<std::int32_t>& checks) {
-    const auto found =
-        std::find_if(others.begin(), others.end(), [&](const auto& o) { return o->structure.checks == checks; });
+  // Takes out the simulator that checks these equations, in ascending order; null if there is none.
+  std::unique_ptr<Impl> known(const std::vector<std::int32_t>& wanted) {
+    const auto found = std::find_if(others.begin(), others.end(), [&](const auto& o) { return o->checks == wanted; });
     if (found == others.end()) return nullptr;
     std::unique_ptr<Impl> out = std::move(*found);
     others.erase(found);
@@ -388,12 +393,27 @@ struct Simulator::Impl {
   static void replace(std::unique_ptr<Impl>& impl, std::unique_ptr<Impl> next) {
     take_row(*impl, *next);
     next->others.reserve(kMostOthers);
-    if (next->others.size() < kMostOthers) {
-      next->others.push_back(std::move(impl));
-    } else {
-      next->others.back() = std::move(impl);
-    }
+    if (next->others.size() == kMostOthers) next->others.erase(next->others.begin());
+    next->others.push_back(std::move(impl));
     impl = std::move(next);
+  }
+
+  // Starts again with the equations of the start.
+  static void return_to_first(std::unique_ptr<Impl>& impl, double start) {
+    std::vector<std::unique_ptr<Impl>>& known = impl->others;
+    const auto found = std::find_if(known.begin(), known.end(), [&](const auto& o) { return o->owned == impl->first; });
+    std::unique_ptr<Impl> next;
+    if (found != known.end()) {
+      next = std::move(*found);
+      known.erase(found);
+      next->inside = std::move(impl->inside);
+      next->divided = std::move(impl->divided);
+      next->start(start, next->structure.start);
+    } else {
+      next = std::make_unique<Impl>(impl->first, impl->limits, start);
+    }
+    next->others = std::move(known);
+    replace(impl, std::move(next));
   }
 
   static void take_row(Impl& from, Impl& next) {
@@ -407,39 +427,27 @@ struct Simulator::Impl {
   // if that set is the current one, or if it cannot be started there.
   std::unique_ptr<Impl> reselected() {
     const std::vector<double> here = motion.posture();
-    if (auto next = known_that_is_good(here)) {
-      if (auto started = continued_by(std::move(next), here)) return started;
+    const std::vector<std::int32_t> better = motion.checks_chosen_anew(here);
+    if (!better.empty() && better != checks) {
+      if (auto next = known(better)) {
+        if (auto started = continued_by(std::move(next), here)) return started;
+      }
     }
     if (!motion.has_time_for(slowest_choice)) return nullptr;
     const auto began_at = motion.now();
     try {
-      Prepared chosen = prepared.reselect(here, motion.time());
+      Prepared chosen = prepared.reselect(here, motion.time(), better);
       slowest_choice = std::max(slowest_choice, motion.now() - began_at);
-      if (chosen.structure->checks != structure.checks) {
+      if (const auto others_checks = sorted(chosen.structure->checks); others_checks != checks) {
         chosen.reselect = prepared.reselect;
-        const std::vector<double> posture = chosen.structure->start;
-        std::unique_ptr<Impl> next = known(chosen.structure->checks);
-        if (!next) {
-          next = std::make_unique<Impl>(std::make_shared<const Prepared>(std::move(chosen)), limits);
-          next->number = number;
-          for (const auto& o : others) next->number = std::max(next->number, o->number);
-          ++next->number;
-        }
-        if (auto started = continued_by(std::move(next), posture)) return started;
+        std::unique_ptr<Impl> next = known(others_checks);
+        if (!next) next = std::make_unique<Impl>(std::make_shared<const Prepared>(std::move(chosen)), limits);
+        if (auto started = continued_by(std::move(next), here)) return started;
       }
     } catch (const Error&) {  // the posture has no other set
     }
     motion.keep_set();
     return nullptr;
-  }
-
-  // Takes out the simulator whose set is good at this posture, the oldest one if there are several: so a motion that is
-  // run again takes the same sets. Null if there is none.
-  std::unique_ptr<Impl> known_that_is_good(const std::vector<double>& posture) {
-    std::sort(others.begin(), others.end(), [](const auto& a, const auto& b) { return a->number < b->number; });
-    const auto found = std::find_if(others.begin(), others.end(),
-                                    [&](const auto& o) { return o->motion.set_is_good_at(posture); });
-    return found != others.end() ? known((*found)->structure.checks) : nullptr;
   }
 
   // The motion continued by another set from this posture; null if that set cannot be started there.
@@ -549,10 +557,10 @@ struct Simulator::Impl {
   ErrorFigures earlier_error;            // estimated errors of the chunks
   std::unique_ptr<OutputSlopes> slopes;  // null before the first jacobian()
   std::size_t own_lines = 0;             // lines that report_effort() added at the end of report.fallbacks
-  // Simulators of the same motion with other sets of the redundant equations.
+  std::vector<std::int32_t> checks;      // the redundant equations that are not solved, in ascending order
+  // Simulators of the same motion with other sets of the redundant equations, the latest one last.
   static constexpr std::size_t kMostOthers = 8;
   std::vector<std::unique_ptr<Impl>> others;
-  std::int64_t number = 0;  // among them, in the order in which they were made
   std::int64_t reselections = 0;
   double first_reselection = 0;                           // time
   std::chrono::steady_clock::duration slowest_choice{0};  // time that a choice of other equations took

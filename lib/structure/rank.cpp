@@ -2,56 +2,24 @@
 
 #include <algorithm>
 #include <set>
+#include <utility>
 
 #include "decompositions.hpp"
 #include "numbers.hpp"
 #include "structure/assembly.hpp"
 #include "structure/dense_block.hpp"
+#include "structure/independent_rows.hpp"
 #include "structure/sparse_rank.hpp"
 
 namespace assur {
 namespace {
 constexpr Eigen::Index kLargestDenseRank = 400;  // rows or columns; larger matrices are factored sparse
-constexpr int kMostExchanges = 64;
 
-using Qr = Eigen::ColPivHouseholderQR<Eigen::MatrixXd>;
-
-// Scales rows, then columns, to unit length. Rows that nearly vanish stay small: an equation whose gradient is only the
-// error of a direction is not independent.
-Eigen::MatrixXd scaled(Eigen::MatrixXd j) {
-  for (Eigen::Index i = 0; i < j.rows(); ++i) j.row(i) /= std::max(j.row(i).norm(), kLeastScale);
-  for (Eigen::Index i = 0; i < j.cols(); ++i) {
-    if (const double n = j.col(i).norm(); n > 0) j.col(i) /= n;
-  }
-  return j;
-}
-
-Qr factor(const Eigen::MatrixXd& a) {
-  Qr qr(a.rows(), a.cols());
-  // n eps sigma_1, with a margin for postures that are exact to a few eps only.
-  qr.setThreshold(64 * kEps * static_cast<double>(std::max(a.rows(), a.cols())));
-  qr.compute(a);
-  return qr;
-}
+using Qr = RowQr;
 
 // True if this entry belongs to the null vector whose own entry is 1.
 bool counts(const Eigen::VectorXd& c, Eigen::Index i) {
   return std::abs(c[i]) > kLeastOfNullVector * std::max(1.0, c.cwiseAbs().maxCoeff());
-}
-
-// Of the rows in `order` the first `rank` are independent. Exchanges rows until the other rows, as combinations of
-// these, have no coefficient above kMostCoefficient (Gu and Eisenstat's strong rank-revealing factorisation).
-void spread(const Eigen::MatrixXd& a, Eigen::Index rank, std::vector<Eigen::Index>& order) {
-  if (rank == 0 || rank == a.rows()) return;
-  for (int exchange = 0; exchange < kMostExchanges; ++exchange) {
-    Eigen::MatrixXd kept(a.cols(), rank), others(a.cols(), a.rows() - rank);
-    for (Eigen::Index k = 0; k < rank; ++k) kept.col(k) = a.row(order[static_cast<std::size_t>(k)]);
-    for (Eigen::Index k = rank; k < a.rows(); ++k) others.col(k - rank) = a.row(order[static_cast<std::size_t>(k)]);
-    const Eigen::MatrixXd shares = kept.householderQr().solve(others).cwiseAbs();
-    Eigen::Index i = 0, k = 0;
-    if (!(shares.maxCoeff(&i, &k) > kMostCoefficient)) return;
-    std::swap(order[static_cast<std::size_t>(i)], order[static_cast<std::size_t>(rank + k)]);
-  }
 }
 
 // Column k >= rank of a pivoted QR as a combination of the first `rank` columns: the other entries of a null vector.
@@ -101,7 +69,8 @@ void study_sparse(const System& s, std::span<const Index> equations, std::span<c
 }  // namespace
 
 RankStudy study_rank(const System& s, std::span<const Index> equations, std::span<const Index> unknowns,
-                     std::optional<double> laws_from, std::vector<double>& q, std::vector<Index>& column) {
+                     std::optional<double> laws_from, std::span<const Index> rather_dropped, std::vector<double>& q,
+                     std::vector<Index>& column) {
   RankStudy out;
   const DenseBlock block(s, equations, unknowns, column);
   if (equations.empty()) {  // unknowns that nothing mentions
@@ -124,19 +93,22 @@ RankStudy study_rank(const System& s, std::span<const Index> equations, std::spa
   }
 
   std::vector<Eigen::MatrixXd> postures;
-  for (const std::vector<double>& posture : at) postures.push_back(scaled(block.jacobian(posture)));
+  for (const std::vector<double>& posture : at) postures.push_back(scaled_rows(block.jacobian(posture)));
   std::size_t best = 0;
   std::vector<Eigen::Index> rank;
   for (std::size_t i = 0; i < postures.size(); ++i) {
-    rank.push_back(factor(postures[i].transpose()).rank());
+    rank.push_back(factored(postures[i].transpose()).rank());
     if (rank[i] > rank[best]) best = i;
   }
   out.rank = static_cast<Index>(rank[best]);
   out.singular_start = rank[0] < rank[best];
 
-  const Qr rows = factor(postures[best].transpose());
-  std::vector<Eigen::Index> order(rows.colsPermutation().indices().begin(), rows.colsPermutation().indices().end());
-  spread(postures[best], rank[best], order);
+  std::vector<Eigen::Index> rather_last;
+  for (Eigen::Index row = 0; row < block.rows(); ++row) {
+    const Index e = equations[static_cast<std::size_t>(row)];
+    if (std::find(rather_dropped.begin(), rather_dropped.end(), e) != rather_dropped.end()) rather_last.push_back(row);
+  }
+  const std::vector<Eigen::Index> order = independent_first(postures[best], rank[best], rather_last);
   const auto equation_at = [&](Eigen::Index k) {
     return equations[static_cast<std::size_t>(order[static_cast<std::size_t>(k)])];
   };
@@ -147,7 +119,7 @@ RankStudy study_rank(const System& s, std::span<const Index> equations, std::spa
     if (rank[best] == 0) break;
     const Eigen::MatrixXd permuted = posture(order, Eigen::all);
     const Eigen::MatrixXd kept = permuted.topRows(rank[best]).transpose();
-    const Qr basis = factor(kept);
+    const Qr basis = factored(kept);
     if (basis.rank() < rank[best]) continue;
     for (Eigen::Index k = rank[best]; k < block.rows(); ++k) {
       const Eigen::VectorXd c = basis.solve(permuted.row(k).transpose());
@@ -165,7 +137,7 @@ RankStudy study_rank(const System& s, std::span<const Index> equations, std::spa
   }
   std::sort(out.kept.begin(), out.kept.end());
 
-  const Qr columns = factor(postures[best]);
+  const Qr columns = factored(postures[best]);
   std::set<Index> undetermined;
   for (Eigen::Index k = columns.rank(); k < block.columns(); ++k) {
     const auto unknown_at = [&](Eigen::Index i) {

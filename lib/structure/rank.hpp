@@ -22,9 +22,11 @@ struct RankStudy {
 };
 
 // Examines the posture q, which is fitted to the equations first. If `laws_from` has a time, also examines two later
-// postures of the laws; empty if a program may move the drivers elsewhere.
+// postures of the laws; empty if a program may move the drivers elsewhere. rather_dropped: equations; the choice begins
+// with them, unless the matrix is large.
 [[nodiscard]] RankStudy study_rank(const System& system, std::span<const Index> equations,
                                    std::span<const Index> unknowns, std::optional<double> laws_from,
-                                   std::vector<double>& q, std::vector<Index>& column);
+                                   std::span<const Index> rather_dropped, std::vector<double>& q,
+                                   std::vector<Index>& column);
 
 }  // namespace assur

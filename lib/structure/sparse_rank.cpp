@@ -13,6 +13,7 @@
 #include "index.hpp"
 #include "numbers.hpp"
 #include "structure/blocks.hpp"
+#include "structure/independent_rows.hpp"
 
 namespace assur {
 namespace {

@@ -11,7 +11,6 @@
 namespace assur {
 
 inline constexpr double kLeastOfNullVector = 1e-8;  // smaller entries, relative to the largest, are zero
-inline constexpr double kMostCoefficient = 1.5;     // a combination with a larger one exchanges rows
 
 using SparseRows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 

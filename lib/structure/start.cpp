@@ -222,7 +222,7 @@ class Start {
       doubtful_.equations.insert(doubtful_.equations.end(), equations.begin(), equations.end());
       doubtful_.unknowns.insert(doubtful_.unknowns.end(), unknowns.begin(), unknowns.end());
       const auto laws_from = p_.is_guess ? std::optional(p_.time) : std::nullopt;
-      take(study_rank(s_, equations, unknowns, laws_from, p_.q, column_), equations, kept);
+      take(study_rank(s_, equations, unknowns, laws_from, p_.checked, p_.q, column_), equations, kept);
     }
     std::sort(kept.begin(), kept.end());
     p_.equations = std::move(kept);

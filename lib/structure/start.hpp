@@ -17,6 +17,7 @@ struct Problem {
   std::vector<double> q;           // all coordinates: the guess, then the start posture
   double time = 0;                 // of q
   bool is_guess = true;            // true: q is a guess; false: q is a posture already
+  std::vector<Index> checked;      // equations that are rather dropped than kept, if they are redundant
   std::vector<Index> left_behind;  // unknowns that cannot follow the drivers to the start, and that no output needs
 };
 

@@ -216,6 +216,7 @@ Structure analyze(const Scene& scene, const StructureOptions& options, AtRest at
     p.q = at_start ? s.guess : options.posture;
     p.is_guess = at_start;
     p.time = at_start ? scene.time().start : options.time;
+    p.checked = options.checked;
     out = {};
     out.formulation = options.formulation;
     count(s, p.unknowns, out);

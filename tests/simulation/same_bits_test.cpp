@@ -4,7 +4,9 @@
 #include <hwy/targets.h>
 
 #include <algorithm>
+#include <cmath>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -177,6 +179,69 @@ TEST(SameBits, RandomMechanisms) {
     small += expect_same_bits(shortened(scene)) ? 1 : 0;
   }
   EXPECT_GE(2 * small, count);
+}
+
+// Wheels that turn each other, in the plane or about any axes, racks, and rods from wheels to slides. angles: of the
+// wheels for 1 rad of the driven one
+Scene random_wheels(test::Draw& draw, std::vector<std::pair<std::string, double>>& angles) {
+  const bool in_space = draw.maybe();
+  SceneBuilder b("wheels", in_space ? 3 : 2);
+  angles = {{"J0", 1}};
+  const auto revolute = [&](const std::string& wheel, double x) {
+    const Triple axis = {draw.real(-1, 1), draw.real(-1, 1), draw.real(0.5, 1)};
+    return in_space ? Revolute{"ground", wheel, Triple{x, 0, 0}, axis} : Revolute{"ground", wheel, Triple{x, 0}};
+  };
+  b.add(Body{.name = "w0"}).joint("J0", revolute("w0", 0));
+  b.drive("motor", DrivenCoordinate{"J0.angle", Law::polynomial({draw.real(-1, 1), draw.real(-2, 2)}) +
+                                                    Law::harmonics({{draw.real(0, 0.5), 1, draw.real(0, 3)}})});
+  const std::size_t count = 2 + draw.below(5);
+  for (std::size_t k = 1; k <= count; ++k) {
+    const std::string number = std::to_string(k), wheel = "w" + number, joint = "J" + number;
+    const auto& [other, angle] = angles[draw.below(angles.size())];
+    const double ratio = (draw.maybe() ? 1.0 : -1.0) * double(3 + draw.below(8)) / double(3 + draw.below(8));
+    const double x = 3 * double(k);
+    b.add(Body{.name = wheel}).joint(joint, revolute(wheel, x));
+    b.constrain("gear" + number, Gear{other + ".angle", joint + ".angle", ratio}).output(joint + ".angle");
+    if (!in_space && draw.maybe()) {
+      b.add(Body{.name = "rod" + number}).add(Body{.name = "slide" + number});
+      b.joint("A" + number, Revolute{wheel, "rod" + number, Triple{x + 0.2, 0.1}});
+      b.joint("B" + number, Revolute{"rod" + number, "slide" + number, Triple{x + 1.4, 0}});
+      b.joint("C" + number, Prismatic{"ground", "slide" + number, Triple{1, 0}}).output("C" + number + ".displacement");
+    } else if (!in_space && draw.maybe()) {
+      b.add(Body{.name = "rack" + number});
+      b.joint("R" + number, Prismatic{"ground", "rack" + number, Triple{0, 1}});
+      b.constrain("teeth" + number, Gear{joint + ".angle", "R" + number + ".displacement", draw.real(0.05, 0.3)});
+      b.output("R" + number + ".displacement");
+    }
+    angles.emplace_back(joint, ratio * angle);
+  }
+  return b.output("J0.angle").time(0, 1, 0.01).build();
+}
+
+TEST(SameBits, RandomWheels) {
+  test::Draw draw(13);
+  const int count = test::random_count(30);
+  for (int i = 0; i < count; ++i) {
+    SCOPED_TRACE(i);
+    std::vector<std::pair<std::string, double>> angles;
+    const Scene scene = random_wheels(draw, angles);
+    (void)expect_same_bits(scene);
+    for (const char* solver : {"lanes", "klu"}) {
+      const Trajectory t = run(scene, solver, true).rows;
+      ASSERT_EQ(t.rows(), 101u);
+      const std::size_t driven = t.index("J0.angle");
+      for (const auto& [joint, angle] : angles) {
+        const std::size_t column = t.index(joint + ".angle");
+        for (std::size_t k = 0; k < t.rows(); ++k) {
+          for (std::size_t d = 0; d < 3; ++d) {  // columns of value, rate and acceleration are neighbours
+            const double wanted = angle * (t(k, driven + d) - (d == 0 ? t(0, driven) : 0));
+            const double found = t(k, column + d) - (d == 0 ? t(0, column) : 0);
+            ASSERT_NEAR(found, wanted, 1e-11 * (1 + std::abs(wanted))) << joint << ' ' << k << ' ' << d;
+          }
+        }
+      }
+    }
+  }
 }
 
 // Members with other lengths, in tiles with each other and alone. Tiles that a member leaves are not compared: where a
