@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "structure/class_gears.hpp"
+
 namespace assur {
 namespace {
 
@@ -40,6 +42,15 @@ bool same_known(const System& a, const System& b) {
          same_assignments(a, b);
 }
 
+// Functions cannot be compared.
+bool same_gears(const System& a, const System& b) {
+  const auto same_gear = [](const CallbackBlock& x, const CallbackBlock& y) {
+    const auto gear = gear_of_class(x);
+    return gear && gear == gear_of_class(y);
+  };
+  return std::equal(a.callbacks.begin(), a.callbacks.end(), b.callbacks.begin(), b.callbacks.end(), same_gear);
+}
+
 }  // namespace
 
 bool same_structure(const Structure& a, const Structure& b) {
@@ -48,7 +59,7 @@ bool same_structure(const Structure& a, const Structure& b) {
          std::equal(a.groups.begin(), a.groups.end(), b.groups.begin(), b.groups.end(), same_group) &&
          a.static_coordinates == b.static_coordinates && a.watch_class == b.watch_class &&
          a.watch.inputs == b.watch.inputs && a.watch.constants == b.watch.constants &&
-         same_known(*a.system, *b.system) && a.system->callbacks.empty();
+         same_known(*a.system, *b.system) && same_gears(*a.system, *b.system);
 }
 
 }  // namespace assur

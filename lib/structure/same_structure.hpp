@@ -7,7 +7,8 @@
 namespace assur {
 
 // True if one plan and one tile can serve both: groups, equations and known coordinates are equal; constants may
-// differ. Callbacks cannot be compared, so that structures with callbacks must be copies of each other.
+// differ. Functions cannot be compared, so that structures with callbacks that are no gears must be copies of each
+// other.
 [[nodiscard]] bool same_structure(const Structure& a, const Structure& b);
 
 }  // namespace assur

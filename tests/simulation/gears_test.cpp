@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "assur/ensemble.hpp"
 #include "assur/structure.hpp"
 #include "run.hpp"
 #include "scene/gear.hpp"
@@ -64,6 +65,23 @@ TEST(Gears, GearedFiveBarTurnsInItsRatio) {
       EXPECT_NEAR(at(k, "D")[1], 0.2 * std::cos(psi), 1e-14);
       EXPECT_NEAR(length(k, "B", "C"), length(0, "B", "C"), 1e-14);
       EXPECT_NEAR(length(k, "D", "C"), length(0, "D", "C"), 1e-14);
+    }
+  }
+}
+
+// Members with gears share tiles if the ratios are equal, and move as alone.
+TEST(Gears, MembersShareTiles) {
+  const auto member = [](std::size_t m) { return five_bar(m == 6 ? -1.0 : -2.0, 0.18 + 0.005 * double(m)); };
+  for (const char* lanes : {"lanes:4", "lanes:8"}) {
+    const std::string strategy = std::string("irreducible/") + lanes;
+    Ensemble ensemble(8, [&](std::size_t m) { return prepare(member(m), {.strategy = strategy}); });
+    const EnsembleTrajectory together = ensemble.run();
+    for (std::size_t m = 0; m < 8; ++m) {
+      EXPECT_EQ(ensemble.outcomes()[m].alone, m == 6);
+      const Trajectory alone = test::run(member(m), strategy).trajectory;
+      ASSERT_EQ(together.rows(m), alone.rows());
+      const auto row = together.row(m, 0);
+      EXPECT_TRUE(std::equal(alone.values().begin(), alone.values().end(), row.data())) << lanes << ' ' << m;
     }
   }
 }
