@@ -1,16 +1,19 @@
 // Mechanisms with redundant equations: in every row all equations, solved or checked, hold to rounding errors.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "simulation/random_count.hpp"
 #include "simulation/random_mechanisms.hpp"
 #include "simulation/run.hpp"
+#include "source_dir.hpp"
 
 namespace assur {
 namespace {
@@ -182,6 +185,47 @@ TEST(Redundant, BennettsLinkageTurnsAHundredTimes) {
     if (i > 1) linkage.start = draw.maybe() ? double(draw.below(24)) * kPi / 12 : draw.real(0, 2 * kPi);
     const int steps = i < 2 ? 48 : draw.maybe() ? 12 * int(1 + draw.below(30)) : int(draw.real(20, 400));
     turn(linkage, steps, 100 * steps, "auto");
+  }
+}
+
+// A set that was used before is taken again without an analysis of the scene, and a motion that is repeated takes the
+// same sets with the same bits.
+TEST(Redundant, SetsThatAreKnownNeedNoAnalysis) {
+  const Scene scene = read_scene(ASSUR_SOURCE_DIR "/scenes/bricard_joints.json");  // it turns twice
+  for (const char* strategy : {"irreducible/lanes", "irreducible/eigen"}) {
+    Prepared prepared = prepare(scene, {.strategy = strategy});
+    int analyses = 0, choices = 0;
+    prepared.reselect = [&, choose = prepared.reselect](std::vector<double> at, double t,
+                                                        std::vector<std::int32_t> checked) {
+      ++analyses;
+      Prepared chosen = choose(std::move(at), t, checked);
+      std::vector<std::int32_t> found = chosen.structure->checks;
+      std::sort(found.begin(), found.end());
+      EXPECT_EQ(found, checked) << "at t = " << t;
+      return chosen;
+    };
+    Simulator simulator(prepared);
+    std::vector<double> first;
+    for (int round = 0; round < 3; ++round) {
+      const std::vector<std::int32_t>* checks = nullptr;
+      simulator.reset();
+      std::vector<double> values;
+      for (std::int64_t k = 0; k < scene.time().steps(); ++k) {
+        ASSERT_TRUE(simulator.step().ok());
+        values.insert(values.end(), simulator.outputs().begin(), simulator.outputs().end());
+        const std::vector<std::int32_t>* now = &simulator.prepared().structure->checks;
+        choices += now != checks ? 1 : 0;
+        checks = now;
+      }
+      if (round == 0) {
+        EXPECT_GT(analyses, 0);
+        EXPECT_GT(choices, 2 * analyses);
+        first = values;
+      }
+      EXPECT_EQ(values, first) << strategy << ", round " << round;
+      if (round == 0) analyses = -analyses;
+    }
+    EXPECT_LE(analyses, 0) << "in later rounds";
   }
 }
 
