@@ -15,7 +15,8 @@
 namespace assur {
 namespace {
 
-constexpr std::size_t kLargestUnit = 200;  // unknowns of a unit, whose factors are dense
+constexpr std::size_t kLargestUnit = 200;     // unknowns of a unit, whose factors are dense
+constexpr Eigen::Index kLargestChoice = 200;  // unknowns of all units, for chosen_anew()
 
 }  // namespace
 
@@ -149,6 +150,7 @@ std::vector<Index> Independence::chosen_anew(std::span<const double> coordinates
     first_column.push_back(columns);
     columns += static_cast<Eigen::Index>(unit.unknowns.size());
   }
+  if (columns > kLargestChoice) return {};
   for (Row& row : dropped_) rows.push_back(&row);
   std::sort(rows.begin(), rows.end(), [](const Row* a, const Row* b) { return a->equation < b->equation; });
   Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(rows.size()), columns);

@@ -31,7 +31,7 @@ class Independence {
   // Largest |c_i| of all watched equations at a posture; infinite if the solved equations are dependent there.
   [[nodiscard]] double largest_coefficient(const double* q);
   // The equations that a new choice among all of these, as in rank.cpp, watches at a posture, all coordinates. Empty if
-  // there are not as many independent ones.
+  // there are not as many independent ones, or if they have more than 200 unknowns.
   [[nodiscard]] std::vector<Index> chosen_anew(std::span<const double> coordinates);
 
  private:
