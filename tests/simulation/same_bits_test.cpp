@@ -244,6 +244,32 @@ TEST(SameBits, RandomWheels) {
   }
 }
 
+// Each gear is a class of its own. There is no time for the code of all of them; the others take kernels.
+TEST(SameBits, WhereTheTimeForCodeEnds) {
+  constexpr int kWheels = 300;
+  SceneBuilder b("wheels", 2);
+  b.add(Body{.name = "w0"}).joint("J0", Revolute{"ground", "w0", Triple{0, 0}});
+  for (int k = 1; k <= kWheels; ++k) {
+    const std::string number = std::to_string(k), wheel = "w" + number, joint = "J" + number;
+    b.add(Body{.name = wheel}).joint(joint, Revolute{"ground", wheel, Triple{double(k), 0}});
+    b.constrain("gear" + number, Gear{"J0.angle", joint + ".angle", (300.0 + k) / 299}).output(joint + ".angle");
+  }
+  b.drive("motor", DrivenCoordinate{"J0.angle", Law::polynomial({0, 1})}).time(0, 0.2, 0.01);
+  const Scene scene = b.build();
+  const Prepared prepared = with(scene, "irreducible/lanes", true);
+  EXPECT_EQ(prepared.structure->classes.size(), kWheels);
+  Simulator by_code(prepared);
+  if (prepared.code) {
+    // "AVX2, 18 of 300 groups"; later simulators find the code of earlier ones and make more.
+    EXPECT_NE(by_code.machine_code().find(" of 300 groups"), std::string::npos) << by_code.machine_code();
+  }
+  const Trajectory found = by_code.run(), expected = run(scene, "lanes", false).rows;
+  EXPECT_TRUE(same_bits(found.values(), expected.values()));
+  for (int k = 1; k <= kWheels; ++k) {
+    EXPECT_NEAR(found.last("J" + std::to_string(k) + ".angle"), 0.2 * (300.0 + k) / 299, 1e-14);
+  }
+}
+
 // Members with other lengths, in tiles with each other and alone. Tiles that a member leaves are not compared: where a
 // step must be divided, it goes on without its earlier postures.
 TEST(SameBits, MembersOfTiles) {
