@@ -16,7 +16,7 @@ namespace assur {
 
 // No code is made for longer steps; 1,000 instructions take about 0.5 ms.
 inline constexpr std::size_t kMostInstructions = 16'000;
-// Nor for more steps of a mechanism than these together have: about 20 ms.
+// Nor for more steps of a mechanism than these together have: 20 to 30 ms.
 inline constexpr std::size_t kMostOfAll = 40'000;
 
 // Null: there is no code. work: numbers in Memory::work
