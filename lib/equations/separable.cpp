@@ -16,7 +16,7 @@ class Separation {
   }
 
   std::optional<Separable> run() {
-    if (!p_.callbacks.empty()) return std::nullopt;
+    if (!p_.callbacks.empty() || !p_.gears.empty()) return std::nullopt;
     for (std::int32_t i = 0; i < p_.equations_count; ++i) {
       const Program::Equation& e = p_.equations[idx(i)];
       for (std::int32_t o = e.linear.begin; o < e.linear.end; ++o) linear(i, p_.linear[idx(o)]);
@@ -85,7 +85,6 @@ class Separation {
 }  // namespace
 
 std::optional<Separable> separate(const Program& program, std::span<const std::uint8_t> input_moves) {
-  if (!program.gears.empty()) return std::nullopt;
   return Separation(program, input_moves).run();
 }
 

@@ -130,7 +130,7 @@ Status NewtonStep::position(Pack& pack, double* x, const Attempt& attempt, std::
     // Where no ball guards the branch, each correction must be at most a tenth of the one before.
     const bool must_contract = attempt.branch == Attempt::Branch::pass ||
                                (!work_.group_class.quadratic && attempt.branch != Attempt::Branch::anywhere);
-    bool contracts = contract(iteration == 0);
+    bool contracts = corrections_contract(iteration == 0);
     if (must_contract && attempt.iterations == 0 && !contracts) {
       // Corrections by rounding do not contract, and they look large if the terms of an equation vanish here.
       raise(open_);
@@ -163,7 +163,7 @@ std::int32_t NewtonStep::lane_with_most_left(const Pack& pack) {
 }
 
 // True if the last correction of each open lane is at most a tenth of the one before, or is rounding.
-bool NewtonStep::contract(bool is_first) {
+bool NewtonStep::corrections_contract(bool is_first) {
   bool all = true;
   for (std::size_t l = 0; l < open_.size(); ++l) {
     double norm = 0;

@@ -45,7 +45,7 @@ class NewtonStep {
   void raise(std::span<const std::uint8_t> lanes);
   [[nodiscard]] double largest_open() const;
   [[nodiscard]] bool close(double converged, bool rounds);
-  [[nodiscard]] bool contract(bool is_first);
+  [[nodiscard]] bool corrections_contract(bool is_first);
   [[nodiscard]] double correct(double* x);
 
   Workspace& work_;

@@ -15,8 +15,7 @@
 namespace assur {
 namespace {
 
-constexpr std::size_t kLargestUnit = 200;     // unknowns of a unit, whose factors are dense
-constexpr Eigen::Index kLargestChoice = 200;  // unknowns of all units, for chosen_anew()
+constexpr std::size_t kLargestDense = 200;  // unknowns of a dense matrix
 
 }  // namespace
 
@@ -39,7 +38,7 @@ Independence::Independence(const System& system, const Structure& structure, std
       gradient_(system.coordinates.size(), 0.0),
       seen_(system.coordinates.size(), 0) {
   collect(structure);
-  const auto too_large = [](const Unit& u) { return u.unknowns.size() > kLargestUnit; };
+  const auto too_large = [](const Unit& u) { return u.unknowns.size() > kLargestDense; };
   if (!in_solving_order() || std::any_of(units_.begin(), units_.end(), too_large)) dropped_.clear();
   std::size_t arguments = 0, slopes = 0;
   for (const CallbackBlock& b : system_.callbacks) {
@@ -150,7 +149,7 @@ std::vector<Index> Independence::chosen_anew(std::span<const double> coordinates
     first_column.push_back(columns);
     columns += static_cast<Eigen::Index>(unit.unknowns.size());
   }
-  if (columns > kLargestChoice) return {};
+  if (static_cast<std::size_t>(columns) > kLargestDense) return {};
   for (Row& row : dropped_) rows.push_back(&row);
   std::sort(rows.begin(), rows.end(), [](const Row* a, const Row* b) { return a->equation < b->equation; });
   Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(rows.size()), columns);

@@ -400,19 +400,20 @@ struct Simulator::Impl {
 
   // Starts again with the equations of the start.
   static void return_to_first(std::unique_ptr<Impl>& impl, double start) {
-    std::vector<std::unique_ptr<Impl>>& known = impl->others;
-    const auto found = std::find_if(known.begin(), known.end(), [&](const auto& o) { return o->owned == impl->first; });
+    std::vector<std::unique_ptr<Impl>> family = std::move(impl->others);
+    const auto found =
+        std::find_if(family.begin(), family.end(), [&](const auto& o) { return o->owned == impl->first; });
     std::unique_ptr<Impl> next;
-    if (found != known.end()) {
+    if (found != family.end()) {
       next = std::move(*found);
-      known.erase(found);
+      family.erase(found);
       next->inside = std::move(impl->inside);
       next->divided = std::move(impl->divided);
       next->start(start, next->structure.start);
     } else {
       next = std::make_unique<Impl>(impl->first, impl->limits, start);
     }
-    next->others = std::move(known);
+    next->others = std::move(family);
     replace(impl, std::move(next));
   }
 
@@ -428,19 +429,21 @@ struct Simulator::Impl {
   std::unique_ptr<Impl> reselected() {
     const std::vector<double> here = motion.posture();
     const std::vector<std::int32_t> better = motion.checks_chosen_anew(here);
-    if (!better.empty() && better != checks) {
-      if (auto next = known(better)) {
-        if (auto started = continued_by(std::move(next), here)) return started;
-      }
+    if (better == checks) {
+      motion.keep_set();
+      return nullptr;
+    }
+    if (auto next = known(better)) {
+      if (auto started = continued_by(std::move(next), here)) return started;
     }
     if (!motion.has_time_for(slowest_choice)) return nullptr;
     const auto began_at = motion.now();
     try {
       Prepared chosen = prepared.reselect(here, motion.time(), better);
       slowest_choice = std::max(slowest_choice, motion.now() - began_at);
-      if (const auto others_checks = sorted(chosen.structure->checks); others_checks != checks) {
+      if (const auto found = sorted(chosen.structure->checks); found != checks) {
         chosen.reselect = prepared.reselect;
-        std::unique_ptr<Impl> next = known(others_checks);
+        std::unique_ptr<Impl> next = known(found);
         if (!next) next = std::make_unique<Impl>(std::make_shared<const Prepared>(std::move(chosen)), limits);
         if (auto started = continued_by(std::move(next), here)) return started;
       }
