@@ -119,15 +119,17 @@ void ErrorEstimate::restart(std::span<const System* const> systems, std::span<co
     for (const int dimension : dimension_) m.unit.push_back(systems[i]->unit(dimension));
     m.scale = {1, 0, 0};
     m.largest.assign(m.sizes.size(), {});
-    m.fast.assign(2 * driven_.size(), 0.0);
     m.now = {};
     m.limit = asked_;
-    m.smallest.assign(outputs_[i].measures(), kInfinity);
-    m.least.assign(m.smallest.size(), 0.0);
-    m.most.assign(m.smallest.size(), kInfinity);
     m.laws.assign(laws, {});
     m.before = m.step = m.serves = m.redundant = 0;
   }
+  const std::size_t w = mechanisms_.size(), divisors = outputs_[0].measures() * w;
+  watched_.smallest.assign(divisors, kInfinity);
+  watched_.least.assign(divisors, 0.0);
+  watched_.most.assign(divisors, kInfinity);
+  watched_.rate.assign(driven_.size() * w, 0.0);
+  watched_.acceleration.assign(driven_.size() * w, 0.0);
   residual_ = kUsual;
   steps_ = branch_checks_ = measurements_ = 0;
   seed_ = 0;
@@ -137,7 +139,7 @@ void ErrorEstimate::restart(std::span<const System* const> systems, std::span<co
 }
 
 bool ErrorEstimate::due(std::int64_t branch_checks, std::span<const double> times, const double* const (&state)[3],
-                        double residual, std::span<const double* const> divisors) {
+                        double residual, const double* divisors) {
   ++steps_;
   const bool grown = residual > kGrownTwice * residual_;
   if (grown) residual_ = residual;
@@ -145,11 +147,11 @@ bool ErrorEstimate::due(std::int64_t branch_checks, std::span<const double> time
   const bool first = measurements_ < 2;
   // The residual of this step may be in any equation.
   const double error = residual > kSolvedToRounding ? gain_ * residual : 0;
-  bool serve = true;
+  bool serve = serves(divisors);
   for (std::size_t i = 0; i < used_; ++i) {
     Mechanism& m = mechanisms_[i];
     if (times[i] != m.before) m.step = times[i] - std::exchange(m.before, times[i]);
-    serve = serve && std::abs(times[i] - m.measured) <= m.serves && serves(m, divisors[i]);
+    serve = serve && std::abs(times[i] - m.measured) <= m.serves;
   }
   if (grown || first || !serve || error > asked_ || is_faster(state) ||
       steps_ >= (in_doubt() ? kIntervalUnseen : interval_) || conditions_have_grown(branch_checks, error)) {
@@ -217,10 +219,14 @@ void ErrorEstimate::begin(std::span<const double> times, const double* const (&s
       for (std::size_t d = 1; d < 3; ++d) scale[d] = std::max(scale[d], std::abs(state[d][idx(a) + i]));
     }
     scale[2] = std::max(scale[2], scale[1] * scale[1]);
-    for (std::size_t k = 0; k < m.fast.size(); ++k) {
-      const std::size_t d = k % 2 + 1;
-      const double now = std::abs(state[d][idx(driven_[k / 2]) + i]);
-      m.fast[k] = std::max({m.fast[k], kFaster * now, kFaster * kSlowerThan * scale[d]});
+    for (std::size_t k = 0; k < driven_.size(); ++k) {
+      const auto raise = [&](std::vector<double>& fast, std::size_t d) {
+        double& most = fast[k * mechanisms_.size() + i];
+        const double now = std::abs(state[d][idx(driven_[k]) + i]);
+        most = std::max({most, kFaster * now, kFaster * kSlowerThan * scale[d]});
+      };
+      raise(watched_.rate, 1);
+      raise(watched_.acceleration, 2);
     }
   }
   for (std::size_t i = 0; i < used_; ++i) find_rounding_of_laws(i, times[i]);
@@ -533,32 +539,38 @@ void ErrorEstimate::keep() {
 
 // The error of an acceleration grows like the inverse cube of the length by which it is divided. The error is measured
 // again if a divisor becomes clearly smaller than any before, or if its change may change the verdict.
-void ErrorEstimate::watch_divisors(Mechanism& m, const double* divisors) const {
-  const double room = std::cbrt(std::pow(asked_ / m.now.worst(), 2));
-  for (std::size_t i = 0; i < m.smallest.size(); ++i) {
-    m.smallest[i] = std::min(m.smallest[i], divisors[i]);
-    m.least[i] = std::max(m.smallest[i] / kCloser, divisors[i] / std::max(room, kCloser));
-    m.most[i] = in_doubt() ? divisors[i] * kCloser : kInfinity;
+void ErrorEstimate::watch_divisors(std::size_t mechanism, const double* divisors) {
+  const double room = std::cbrt(std::pow(asked_ / mechanisms_[mechanism].now.worst(), 2));
+  for (std::size_t i = mechanism; i < watched_.smallest.size(); i += mechanisms_.size()) {
+    watched_.smallest[i] = std::min(watched_.smallest[i], divisors[i]);
+    watched_.least[i] = std::max(watched_.smallest[i] / kCloser, divisors[i] / std::max(room, kCloser));
+    watched_.most[i] = in_doubt() ? divisors[i] * kCloser : kInfinity;
   }
 }
 
-bool ErrorEstimate::serves(const Mechanism& m, const double* divisors) {
+bool ErrorEstimate::serves(const double* divisors) const {
+  const double *const least = watched_.least.data(), *const most = watched_.most.data();
+  const std::size_t w = mechanisms_.size(), count = watched_.least.size();
   bool serves = true;
-  for (std::size_t i = 0; i < m.least.size(); ++i) serves &= divisors[i] >= m.least[i] && divisors[i] <= m.most[i];
+  for (std::size_t i = 0; i < count; i += w) {
+    for (std::size_t k = i; k < i + used_; ++k) serves &= divisors[k] >= least[k] && divisors[k] <= most[k];
+  }
   return serves;
 }
 
 // A measurement at rest, or at low speed, underestimates the errors of velocities and accelerations.
 bool ErrorEstimate::is_faster(const double* const (&state)[3]) const {
   if (!wanted_[1] && !wanted_[2]) return false;
-  for (std::size_t i = 0; i < used_; ++i) {
-    const double* fast = mechanisms_[i].fast.data();
-    for (const std::int32_t a : driven_) {
-      if (std::abs(state[1][idx(a) + i]) > fast[0] || std::abs(state[2][idx(a) + i]) > fast[1]) return true;
-      fast += 2;
+  const double *rate = watched_.rate.data(), *acceleration = watched_.acceleration.data();
+  bool faster = false;
+  for (const std::int32_t a : driven_) {
+    for (std::size_t i = 0; i < used_; ++i) {
+      faster |= std::abs(state[1][idx(a) + i]) > rate[i] || std::abs(state[2][idx(a) + i]) > acceleration[i];
     }
+    rate += mechanisms_.size();
+    acceleration += mechanisms_.size();
   }
-  return false;
+  return faster;
 }
 
 // For steps without a measurement, takes the largest error that their residual allows.
@@ -612,6 +624,7 @@ double ErrorEstimate::of_coordinate(std::size_t address) const {
 
 void ErrorEstimate::save(Snapshot& into) const {
   into.mechanisms = mechanisms_;
+  into.watched = watched_;
   into.omega.reserve(omega_.capacity());
   into.omega = omega_;
   into.residual = residual_;
@@ -632,6 +645,7 @@ void ErrorEstimate::save(Snapshot& into) const {
 
 void ErrorEstimate::restore(const Snapshot& from, std::int64_t branch_checks) {
   mechanisms_ = from.mechanisms;
+  watched_ = from.watched;
   omega_ = from.omega;
   residual_ = from.residual;
   worst_ = from.worst;

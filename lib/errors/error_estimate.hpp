@@ -50,25 +50,25 @@ class ErrorEstimate {
   void continue_from(ErrorEstimate& before);
 
   // True if the last measurement is out of date. Call it for every step with the time of each mechanism, the posture,
-  // its largest residual, and the divisors of the measures of each mechanism (OutputProgram::evaluate).
+  // its largest residual, and the divisors of the measures (OutputProgram::evaluate), measures x mechanisms.
   [[nodiscard]] bool due(std::int64_t branch_checks, std::span<const double> times, const double* const (&state)[3],
-                         double residual, std::span<const double* const> divisors);
+                         double residual, const double* divisors);
 
-  // Measures the errors of the current posture. times, rows, divisors: times, outputs and divisors of each mechanism.
+  // Measures the errors of the current posture. times, rows: times and outputs of each mechanism; divisors: as above.
   // each(work) must call work(p, solver) for every pack, level after level. All figures are infinite if a matrix is
   // singular. The errors of the run do not include the measurement before keep(): the posture may be improved and
   // measured again.
   template <class Each>
   void measure(std::span<const double> times, const double* const (&state)[3], std::span<const double* const> rows,
-               std::span<const double* const> divisors, const Each& each) {
+               const double* divisors, const Each& each) {
     (void)measure(times, state, rows, divisors, each, [] { return false; });
   }
   // The same, unless late(), which is asked before each pack, becomes true: then nothing is measured, due() remains
   // true, and the result is false.
   template <class Each, class Late>
   [[nodiscard]] bool measure(std::span<const double> times, const double* const (&state)[3],
-                             std::span<const double* const> rows, std::span<const double* const> divisors,
-                             const Each& each, const Late& late) {
+                             std::span<const double* const> rows, const double* divisors, const Each& each,
+                             const Late& late) {
     begin(times, state);
     std::atomic<bool> ends = false;
     Unseen unseen = of_other_steps();
@@ -91,7 +91,7 @@ class ErrorEstimate {
       finish(state, rows);
       again = !again && find_contradictions(unseen);
     } while (again);
-    for (std::size_t i = 0; i < used_; ++i) watch_divisors(mechanisms_[i], divisors[i]);
+    for (std::size_t i = 0; i < used_; ++i) watch_divisors(i, divisors);
     return true;
   }
 
@@ -154,13 +154,15 @@ class ErrorEstimate {
     Figures now;
     double limit = 0;  // larger errors are in doubt
     Place worst;
-    // Divisors of the measures: the smallest measured ones, and the range in which the last measurement is valid.
-    std::vector<double> smallest, least, most;
-    std::vector<double> fast;     // driven_: largest rates and accelerations for which the last measurement is valid
     double before = 0, step = 0;  // time of the last step, and its length, s
     double measured = 0, serves = 0;  // time of the last measurement, and how long the rounding of its laws serves, s
     double redundant = 0;             // residual of the redundant equations
     std::vector<Jet<double>> laws;    // bounds of the rounding of the evaluated laws, internal units
+  };
+  // Where the last measurement is valid, side by side for all lanes.
+  struct Watched {
+    std::vector<double> smallest, least, most;  // divisors of the measures: the smallest measured ones, and their range
+    std::vector<double> rate, acceleration;     // driven_: the largest ones
   };
   void find_reads();
   void begin(std::span<const double> times, const double* const (&state)[3]);
@@ -180,8 +182,8 @@ class ErrorEstimate {
   void confirm_growth(double before);
   void keep_steps_between();
   [[nodiscard]] Figures relative(const Mechanism& m, const std::vector<Size>& sizes, double Size::*what) const;
-  void watch_divisors(Mechanism& m, const double* divisors) const;
-  [[nodiscard]] static bool serves(const Mechanism& m, const double* divisors);
+  void watch_divisors(std::size_t mechanism, const double* divisors);
+  [[nodiscard]] bool serves(const double* divisors) const;
   [[nodiscard]] bool is_faster(const double* const (&state)[3]) const;
 
   Layout& layout_;
@@ -197,6 +199,7 @@ class ErrorEstimate {
   std::vector<Probe> probes_;                  // the first one carries the residuals
   std::vector<double> slopes_;                 // changes of the outputs along a probe
   std::vector<Mechanism> mechanisms_;          // lanes
+  Watched watched_;
   std::vector<const System*> systems_;         // systems of the used mechanisms
   std::span<const Index> evaluated_;           // inputs
   const Inputs* inputs_ = nullptr;
@@ -225,6 +228,7 @@ class ErrorEstimate {
 
 struct ErrorEstimate::Snapshot {
   std::vector<Mechanism> mechanisms;
+  Watched watched;
   std::vector<double> omega;
   double residual = 0, worst = 0, gain = 0, left = 0;
   double growth_of_group = 1, growth_along_paths = 1, confirmed = 1;

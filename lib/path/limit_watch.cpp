@@ -90,7 +90,7 @@ std::vector<Index> limited_quantities(const System& system) {
 }
 
 LimitWatch::LimitWatch(const System& system, std::span<const std::int32_t> address)
-    : system_(system), outputs_(system, address, limited_outputs(system)), turns_(outputs_) {
+    : system_(system), outputs_(system, address, limited_outputs(system)), turns_({&outputs_, 1}) {
   const std::vector<Output> outputs = limited_outputs(system);
   for (std::size_t i = 0; i < system.bounds.size(); ++i) {
     const Bound& b = system.bounds[i];

@@ -25,20 +25,21 @@ Tile::Tile(const Prepared& prepared, const StepLimits& limits)
       together_(angles_together(*structure_->system, *structure_)),
       columns_(column_names(*structure_->system)),
       outputs_(idx(lanes_), OutputProgram(*structure_->system, layout_.address)),
-      turns_(outputs_.begin(), outputs_.end()),
+      output_steps_(outputs_, prepared.code.get()),
+      rows_(columns_.size() * idx(lanes_)),
+      divisors_(outputs_[0].measures() * idx(lanes_)),
+      turns_(outputs_),
       estimate_(*structure_, layout_, outputs_, prepared.plan.accuracy) {
   state_.resize(layout_.first_unknown, layout_.size, prepared.plan.run.predictor);
   const System& system = *structure_->system;
   limit_events_.resize(idx(lanes_));
   mechanisms_.reserve(idx(lanes_));
   for (std::size_t lane = 0; lane < idx(lanes_); ++lane) {
-    mechanisms_.emplace_back(*structure_, layout_, lane).follow(turns_[lane]);
+    mechanisms_.emplace_back(*structure_, layout_, lane);
   }
   mechanisms_[0].bind(system, false);
-  all_divisors_.resize(idx(lanes_) * outputs_[0].measures());
-  for (std::size_t lane = 0; lane < idx(lanes_); ++lane) {
-    divisors_.push_back(all_divisors_.data() + lane * outputs_[0].measures());
-  }
+  bow_times_.resize(idx(lanes_));
+  turns_.use(output_steps_);
   drive_.resize(idx(lanes_));
   bound_to_.resize(idx(lanes_));
   wanted_.resize(idx(lanes_));
@@ -93,6 +94,7 @@ Status Tile::start(std::span<const Variant* const> variants, bool alike) {
   for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
     mechanisms_[lane].begin({state_.at(0) + lane, state_.at(1) + lane, state_.at(2) + lane});
   }
+  turns_.start(state_.at(0));
   accept(times);
   return begin_limits();
 }
@@ -135,6 +137,7 @@ void Tile::bind(bool alike) {
     mechanisms_[lane].bind(*variants_[lane]->system, variants_[lane]->reselect != nullptr);
     mechanisms_[lane].check_inputs(driven_.inputs);
   }
+  output_steps_.bind(variants_.size());
   std::vector<const System*> systems;
   for (const Variant* v : variants_) systems.push_back(v->system.get());
   estimate_.restart(systems, driven_.inputs);
@@ -321,6 +324,7 @@ void Tile::measure_bows(std::span<const double> times) {
   for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
     mechanisms_[lane].measure({q[0] + lane, q[1] + lane, q[2] + lane}, bows_, known_[0]);
   }
+  turns_.measure(q[0], bows_.probes(), known_[0]);
   (void)drive(times);
 }
 
@@ -335,6 +339,8 @@ bool Tile::polish() {
   state_.replace();
   if (at_rest_ > 0) state_.spread_known();
   for (Mechanism& m : mechanisms()) m.accept(0, true);
+  turns_.accept(0);
+  has_outputs_ = false;
   return true;
 }
 
@@ -359,7 +365,8 @@ Status Tile::solve_packs(std::span<const double> times, Attempt::Branch branch, 
 
 bool Tile::errors_are_due() {
   const double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
-  return estimate_.due(counters_.branch_checks, now_, q, left_, divisors_);
+  evaluate_outputs();
+  return estimate_.due(counters_.branch_checks, now_, q, left_, divisors_.data());
 }
 
 void Tile::measure_errors(std::span<const double> times, std::span<const double* const> rows) {
@@ -368,7 +375,7 @@ void Tile::measure_errors(std::span<const double> times, std::span<const double*
   for (std::size_t lane = 0; lane < variants_.size() && redundant; ++lane) {
     estimate_.contradict(lane, mechanisms_[lane].contradiction(state_.at(0) + lane));
   }
-  estimate_.measure(times, q, rows, divisors_, [&](const auto& work) {
+  estimate_.measure(times, q, rows, divisors_.data(), [&](const auto& work) {
     for (std::size_t p = 0; p < layout_.packs.size(); ++p) work(p, *layout_.solvers[idx(layout_.packs[p].group_class)]);
   });
 }
@@ -421,15 +428,19 @@ Status Tile::check_sets() {
 
 // Not ok if an angle of some lane turned so far that its sense of rotation is unknown.
 Status Tile::follow_angles(double seconds) {
-  Status s;
-  if (!mechanisms_[0].is_followed()) return s;
-  for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
-    if (mechanisms_[lane].follow_angles(state_.at(0) + lane, seconds, bows_.times(lane)) == AngleTurns::Way::known) {
-      continue;
-    }
-    s = {Code::branch_unknown, Place::lane(static_cast<std::int32_t>(lane)), seconds};
+  const auto turned_unseen = [&](std::size_t lane) {
+    return Status{Code::branch_unknown, Place::lane(static_cast<std::int32_t>(lane)), seconds};
+  };
+  if (!turns_.empty()) {
+    for (std::size_t lane = 0; lane < variants_.size(); ++lane) bow_times_[lane] = bows_.times(lane);
+    const AngleTurns::Followed found = turns_.follow(state_.at(0), seconds, bow_times_, variants_.size());
+    if (found.way != AngleTurns::Way::known) return turned_unseen(found.lane);
   }
-  return s;
+  for (std::size_t lane = 0; lane < variants_.size() && mechanisms_[lane].is_followed(); ++lane) {
+    const AngleTurns::Way way = mechanisms_[lane].follow_angles(state_.at(0) + lane, seconds, bows_.times(lane));
+    if (way != AngleTurns::Way::known) return turned_unseen(lane);
+  }
+  return {};
 }
 
 void Tile::accept(std::span<const double> times) {
@@ -437,6 +448,8 @@ void Tile::accept(std::span<const double> times) {
   lanes_accepted_ = driven_lanes_;
   for (std::size_t lane = 0; lane < driven_lanes_; ++lane) drive_[lane]->accept();
   for (Mechanism& m : mechanisms()) m.accept(times[0] - now_[0]);
+  turns_.accept(times[0] - now_[0]);
+  has_outputs_ = false;
   now_.assign(times.begin(), times.end());
 }
 
@@ -506,9 +519,15 @@ void Tile::take_events(int lane, std::vector<Event>& to) {
   events.clear();
 }
 
+void Tile::evaluate_outputs() {
+  if (has_outputs_) return;
+  output_steps_.evaluate({state_.at(0), state_.at(1), state_.at(2)}, rows_.data(), turns_.turns(), divisors_.data());
+  has_outputs_ = true;
+}
+
 void Tile::fill_row(int lane, double* row) {
-  const double* const q[3] = {state_.at(0) + lane, state_.at(1) + lane, state_.at(2) + lane};
-  outputs_[idx(lane)].evaluate(q, row, turns_[idx(lane)].turns(), divisors_[idx(lane)]);
+  evaluate_outputs();
+  for (std::size_t c = 0; c < columns_.size(); ++c) row[c] = rows_[c * idx(lanes_) + idx(lane)];
   outputs_[idx(lane)].add_up(row);
 }
 

@@ -23,6 +23,7 @@
 #include "signals/angle_turns.hpp"
 #include "signals/drive_program.hpp"
 #include "signals/output_program.hpp"
+#include "signals/output_steps.hpp"
 
 namespace assur {
 
@@ -69,7 +70,8 @@ class Tile {
   void fill_row(int lane, double* row);
   // Sets the turns of angles so that the outputs of the current posture continue this row.
   void continue_from(int lane, std::span<const double> row) {
-    turns_[static_cast<std::size_t>(lane)].continue_from(row);
+    turns_.continue_from(row, static_cast<std::size_t>(lane));
+    has_outputs_ = false;
   }
 
   // All coordinates of one variant; coordinates that are not computed have the value of the start.
@@ -127,6 +129,7 @@ class Tile {
   void measure_bows(std::span<const double> times);
   [[nodiscard]] Status check_levers(Mechanism::Levers which, std::size_t lane, double seconds) const;
   [[nodiscard]] Status follow_angles(double seconds);
+  void evaluate_outputs();
   [[nodiscard]] Status begin_limits();
   [[nodiscard]] Status check_limits(std::span<const double> times);
   void accept(std::span<const double> times);
@@ -146,15 +149,17 @@ class Tile {
   std::size_t lanes_accepted_ = 1;  // the same at the last posture
   std::vector<std::string> columns_;
   std::vector<OutputProgram> outputs_;                   // lanes
-  std::vector<AngleTurns> turns_;                        // lanes
+  OutputSteps output_steps_;
+  LaneArray rows_, divisors_;  // columns x lanes, measures x lanes
+  bool has_outputs_ = false;   // they are those of the current posture
+  AngleTurns turns_;
   std::vector<Mechanism> mechanisms_;                    // lanes
   std::vector<std::vector<Event>> limit_events_;         // lanes: not taken yet
-  std::vector<double> all_divisors_;                     // of the measures, lane after lane
-  std::vector<double*> divisors_;                        // lanes: places in all_divisors_
   std::vector<std::optional<FunctionCheck>> functions_;  // lanes; only the first of equal ones; empty: nothing to check
   ErrorEstimate estimate_;
   State state_;
   Bows bows_;
+  std::vector<double> bow_times_;  // lanes: Bows::times()
   bool may_bend_ = false;           // a law of a lane may leave its chord
   bool bends_ = false;              // one does so on the step that bows_ has
   std::array<LaneArray, 3> known_;  // for bows_: known coordinates and their derivatives, in the layout of the state

@@ -50,7 +50,50 @@ void add_harmonics(const HarmonicBlock* blocks, std::size_t count, double time, 
   }
 }
 
-constexpr AngleKernels kKernels = {sin_cos, angles, add_harmonics};
+bool follow(std::size_t count, const Arms& now, const Arms& next, double seconds, const double* bends,
+            double* strays) {
+  constexpr double kFirstSteps = 16;  // bound for a path of unknown shape: four times the chord, squared
+  constexpr double kMostBow = 0.25;   // of a vector, relative to its length: the inverse of a Jacobian may grow
+  const L none = L::set(0), one = L::set(1), time = L::set(seconds);
+  L all = none;
+  for (std::size_t i = 0; i < count; i += kAngleBlock) {
+    const L x = L::load(next.x + i), y = L::load(next.y + i);
+    const L dx = x - L::load(now.x + i), dy = y - L::load(now.y + i);
+    const L square = x * x + y * y, chord = dx * dx + dy * dy;
+    square.store(next.square + i);
+    chord.store(next.chord + i);
+    const L before = L::load(now.square + i), speed = L::load(now.speed + i), at_speed = speed * time * time;
+    const L way =
+        if_positive(none - speed, L::set(kFirstSteps) * chord, if_at_most(chord, at_speed, at_speed, chord));
+    const L least = if_at_most(before, square, before, square);
+    L stray = if_at_most(L::load(bends + i), L::set(kMostBow * kMostBow) * least, none, one);
+    if (!all_at_most(way, least)) {  // shorter than half of any way round the origin?
+      const L is_long = if_at_most(L::set(2) * sqrt(way), sqrt(before) + sqrt(square), none, one);
+      stray = max(stray, if_at_most(way, least, none, is_long));
+    }
+    stray.store(strays + i);
+    all = max(all, stray);
+  }
+  return !(all.largest() > 0);
+}
+
+void turn(std::size_t count, const Arms& now, const Arms& next, double seconds, double* turns) {
+  const L one = L::set(1), none = L::set(0), half = L::set(0.5), square = L::set(seconds * seconds);
+  for (std::size_t i = 0; i < count; i += kAngleBlock) {
+    const L x = L::load(now.x + i), y = L::load(now.y + i), to_x = L::load(next.x + i), to_y = L::load(next.y + i);
+    // The shorter way may cross the half-line where atan2 jumps: to the left if y becomes negative.
+    const L crossing = copy_sign(one, y) - copy_sign(one, to_y), left = x * to_y - y * to_x;
+    (L::load(turns + i) + if_positive(crossing * left, half * crossing, none)).store(turns + i);
+    const L chord = L::load(next.chord + i);
+    if (seconds != 0) (chord / square).store(now.speed + i);
+    to_x.store(now.x + i);
+    to_y.store(now.y + i);
+    L::load(next.square + i).store(now.square + i);
+    chord.store(now.chord + i);
+  }
+}
+
+constexpr AngleKernels kKernels = {sin_cos, angles, add_harmonics, follow, turn};
 const AngleKernels* kernels() { return &kKernels; }
 
 }  // namespace

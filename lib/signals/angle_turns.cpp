@@ -11,101 +11,102 @@
 
 namespace assur {
 namespace {
-constexpr double kFirstSteps = 16;  // bound for a path of unknown shape: four times the chord, squared
-constexpr double kMostBow = 0.25;   // of a vector, relative to its length: the inverse of a Jacobian may grow
-constexpr double kNoise = 1e-12;    // relative to the terms of a vector: a shorter vector has no direction
+
+constexpr double kNoise = 1e-12;  // relative to the terms of a vector: a shorter vector has no direction
+constexpr std::size_t kRows = 5;  // members of Arms
 
 }  // namespace
 
 double whole_turns(double from, double to) { return std::round((to - from) / kTurn); }
 
-AngleTurns::AngleTurns(const OutputProgram& outputs)
-    : outputs_(outputs),
-      columns_(outputs.angles()),
-      now_(columns_.size()),
-      next_(columns_.size()),
-      turns_(columns_.size()),
-      bows_(columns_.size()) {}
+AngleTurns::AngleTurns(std::span<const OutputProgram> outputs)
+    : outputs_(outputs), columns_(outputs[0].angles()), count_(columns_.size() * outputs.size()) {
+  for (LaneArray* v : {&turns_, &bows_, &bends_, &strays_, &nothing_}) v->resize(padded(count_));
+  for (LaneArray* v : {&now_, &next_, &probe_}) v->resize(kRows * padded(count_));
+}
+
+Arms AngleTurns::arms(LaneArray& of) const {
+  double* const at = of.data();
+  const std::size_t n = padded(count_);
+  return {at, at + n, at + 2 * n, at + 3 * n, at + 4 * n};
+}
+
+void AngleTurns::find_arms(const double* q, LaneArray& to) {
+  if (steps_ != nullptr && steps_->arms(q, to.data())) return;
+  const Arms at = arms(to);
+  const std::size_t w = outputs_.size();
+  for (std::size_t i = 0; i < count_; ++i) outputs_[i % w].arm(i / w, q + i % w, at.x[i], at.y[i]);
+}
 
 void AngleTurns::start(const double* q) {
-  (void)follow(q, 0, 0);
-  for (std::size_t i = 0; i < now_.size(); ++i) {
-    next_[i].speed = -1;
-    now_[i] = next_[i];
-    turns_[i] = 0;
+  if (empty()) return;
+  (void)follow(q, 0, nothing_, 0);
+  accept(0);
+  std::fill_n(arms(now_).speed, count_, -1.0);
+  std::fill(turns_.begin(), turns_.end(), 0.0);
+}
+
+AngleTurns::Followed AngleTurns::follow(const double* q, double seconds, std::span<const double> times,
+                                        std::size_t used) {
+  if (empty()) return {};
+  find_arms(q, next_);
+  const std::size_t w = outputs_.size();
+  const bool bends = std::any_of(times.begin(), times.end(), [](double t) { return t != 0; });
+  for (std::size_t i = 0; i < count_ && bends; ++i) {
+    const double t = times[i % w];
+    bends_[i] = t == 0 ? 0 : t * t * bows_[i];
   }
-}
-
-// True if the way is shorter than half of any way from `from` to `to` round the origin.
-bool AngleTurns::is_short(const Arm& from, const Arm& to, double way) {
-  if (way <= std::min(from.square, to.square)) return true;
-  return 2 * std::sqrt(way) <= std::sqrt(from.square) + std::sqrt(to.square);
-}
-
-AngleTurns::Way AngleTurns::follow(const double* q, double seconds, double times) {
-  Way found = Way::known;
-  for (std::size_t i = 0, count = now_.size(); i < count; ++i) {
-    const Arm& now = now_[i];
-    Arm& next = next_[i];
-    outputs_.arm(i, q, next.x, next.y);
-    const double dx = next.x - now.x, dy = next.y - now.y;
-    next.square = next.x * next.x + next.y * next.y;
-    next.chord = dx * dx + dy * dy;
-    const double way = now.speed < 0 ? kFirstSteps * next.chord : std::max(next.chord, now.speed * seconds * seconds);
-    const bool is_bent = times * times * bows_[i] > kMostBow * kMostBow * std::min(now.square, next.square);
-    if (found == Way::unknown || (is_short(now, next, way) && !is_bent)) continue;
-    found = is_noise(i, now, next, q) ? Way::none : Way::unknown;
+  const Arms from = arms(now_), to = arms(next_);
+  if (angle_kernels().follow(count_, from, to, seconds, bends ? bends_.data() : nothing_.data(), strays_.data())) {
+    return {};
+  }
+  Followed found;
+  for (std::size_t lane = 0; lane < used && found.way == Way::known; ++lane) {
+    for (std::size_t i = lane; i < count_ && found.way != Way::unknown; i += w) {
+      if (strays_[i] == 0) continue;
+      const double longest = std::sqrt(std::max(from.square[i], to.square[i]));
+      const bool is_noise = longest <= kNoise * outputs_[lane].size_of_arm(i / w, q + lane);
+      found = {is_noise ? Way::none : Way::unknown, lane};
+    }
   }
   return found;
 }
 
 void AngleTurns::measure(const double* q, std::span<double* const> probes, std::span<double> scratch,
                          std::size_t lane) {
+  if (empty()) return;
   std::fill(bows_.begin(), bows_.end(), 0.0);
+  const Arms now = arms(now_), there = arms(probe_);
   for (const double* const probe : probes) {
     for (std::size_t a = lane; a < scratch.size(); ++a) scratch[a] = q[a - lane] + probe[a];
-    for (std::size_t i = 0; i < bows_.size(); ++i) {
-      double x = 0, y = 0;
-      outputs_.arm(i, scratch.data() + lane, x, y);
-      bows_[i] += std::hypot(x - now_[i].x, y - now_[i].y);
+    find_arms(scratch.data() + lane, probe_);
+    for (std::size_t i = 0; i < count_; ++i) {
+      bows_[i] += std::hypot(there.x[i] - now.x[i], there.y[i] - now.y[i]);
     }
   }
   for (double& bow : bows_) bow *= bow;
 }
 
-bool AngleTurns::is_noise(std::size_t i, const Arm& from, const Arm& to, const double* q) const {
-  return std::sqrt(std::max(from.square, to.square)) <= kNoise * outputs_.size_of_arm(i, q);
-}
-
 void AngleTurns::accept(double seconds) {
-  for (std::size_t i = 0; i < now_.size(); ++i) {
-    const Arm& from = now_[i];
-    Arm& to = next_[i];
-    // The shorter way may cross the half-line where atan2 jumps.
-    if (std::signbit(from.y) != std::signbit(to.y)) {
-      const double left = from.x * to.y - from.y * to.x;
-      if (left > 0 && std::signbit(to.y)) turns_[i] += 1;
-      if (left < 0 && std::signbit(from.y)) turns_[i] -= 1;
-    }
-    to.speed = seconds == 0 ? from.speed : to.chord / (seconds * seconds);
-    now_[i] = to;
-  }
+  if (empty()) return;
+  angle_kernels().turn(count_, arms(now_), arms(next_), seconds, turns_.data());
 }
 
-void AngleTurns::continue_from(std::span<const double> row) {
-  for (std::size_t i = 0; i < now_.size(); ++i) {
-    turns_[i] = whole_turns(std::atan2(now_[i].y, now_[i].x), row[columns_[i]]);
+void AngleTurns::continue_from(std::span<const double> row, std::size_t lane) {
+  const Arms now = arms(now_);
+  for (std::size_t i = lane; i < count_; i += outputs_.size()) {
+    turns_[i] = whole_turns(std::atan2(now.y[i], now.x[i]), row[columns_[i / outputs_.size()]]);
   }
 }
 
 void AngleTurns::save(Snapshot& into) const {
-  into.arms = now_;
+  into.now = now_;
   into.turns = turns_;
   into.bows = bows_;
 }
 
 void AngleTurns::restore(const Snapshot& from) {
-  now_ = from.arms;
+  now_ = from.now;
   turns_ = from.turns;
   bows_ = from.bows;
 }

@@ -30,7 +30,6 @@ std::span<const T> share(const std::vector<T>& list, std::size_t part, std::size
 
 void OutputProgram::bind(const System& s, std::span<const std::int32_t> address, const std::vector<Output>& outputs) {
   dimension_ = s.dimension;
-  code_ = nullptr;
   rows_.clear();
   row_terms_.clear();
   motions_.clear();
@@ -70,6 +69,7 @@ void OutputProgram::bind(const System& s, std::span<const std::int32_t> address,
       add(s, address, o.all_parts[static_cast<std::size_t>(k)], {column(0), column(1), column(2)});
     }
   }
+  columns_ = idx(next);
 }
 
 void OutputProgram::add(const System& s, std::span<const std::int32_t> address, const OutputPart& m,
@@ -212,66 +212,120 @@ void OutputProgram::add_row(const Neighbours& n) {
   rows_.push_back(row);
 }
 
-// Linear outputs with their constants, and signed angles: Memory::settings has their turns, and Memory::figures takes
-// the divisors of the measures.
-StepProgram OutputProgram::output_step() const {
-  Graph graph;
-  constexpr Memory kState[] = {Memory::state, Memory::state_rates, Memory::state_accelerations};
-  const Value zero = graph.load({Memory::factors, 0, Reach::one});  // so that no output is -0
-  const auto add = [&](const Value& sum, std::int32_t address, double factor, std::size_t d) {
-    return sum + Value::set(factor) * graph.load({kState[d], static_cast<std::uint32_t>(address), Reach::one});
-  };
-  const auto put = [&](std::int32_t column, const Value& value) {
-    if (column >= 0) graph.store({Memory::outputs, static_cast<std::uint32_t>(column), Reach::one}, value);
-  };
-  const auto begin = [&](double offset, std::size_t d) { return d > 0 || offset == 0 ? zero : Value::set(offset); };
-  for (std::size_t d = 0; d < 3; ++d) {
-    for (const Motion& m : motions_) {
-      put(m.column + static_cast<std::int32_t>(d) * m.step, add(begin(m.offset, d), m.address, m.factor, d));
+// Values of which outputs consist.
+class OutputProgram::Writer {
+ public:
+  Writer(const OutputProgram& of, Numbers numbers) : of_(of), side_by_side_(numbers == Numbers::loads) {}
+
+  [[nodiscard]] StepProgram finish() const { return {{graph_.phase()}, {}}; }
+  [[nodiscard]] Value load(Memory memory, std::size_t index) { return graph_.load(own(memory, index)); }
+  void store(Memory memory, std::size_t index, const Value& value) { graph_.store(own(memory, index), value); }
+  void put(std::int32_t column, const Value& value) {
+    if (column >= 0) store(Memory::outputs, idx(column), value);
+  }
+
+  // Every sum begins with it, so that no output is -0.
+  [[nodiscard]] Value zero() { return load(Memory::factors, 0); }
+  // place: among numbers()
+  [[nodiscard]] Value begin(std::size_t place, double offset, std::size_t d) {
+    return d > 0 || (!side_by_side_ && offset == 0) ? zero() : number(place, offset);
+  }
+  [[nodiscard]] Value add(const Value& sum, std::size_t place, const TermAt& term, std::size_t d) {
+    constexpr Memory kState[] = {Memory::state, Memory::state_rates, Memory::state_accelerations};
+    const Reach reach = side_by_side_ ? Reach::from : Reach::one;
+    return sum + number(place, term.factor) *
+                     graph_.load({kState[d], static_cast<std::uint32_t>(term.address), reach});
+  }
+  [[nodiscard]] Value form(std::int32_t form, std::size_t d) {
+    Value sum = zero();
+    for (std::int32_t t = of_.form_start_[idx(form)]; t < of_.form_start_[idx(form) + 1]; ++t) {
+      sum = add(sum, of_.place_of_terms() + idx(t), of_.terms_[idx(t)], d);
     }
-    for (const Line& l : lines_) put(l.column[d], add(begin(l.offset, d), l.address, l.factor, d));
+    return sum;
+  }
+
+ private:
+  [[nodiscard]] Slot own(Memory memory, std::size_t index) const {
+    return {memory, static_cast<std::uint32_t>(index), side_by_side_ ? Reach::row : Reach::one};
+  }
+  [[nodiscard]] Value number(std::size_t place, double literal) {
+    return side_by_side_ ? load(Memory::factors, place) : Value::set(literal);
+  }
+
+  const OutputProgram& of_;
+  bool side_by_side_;
+  Graph graph_;
+};
+
+std::vector<double> OutputProgram::numbers() const {
+  std::vector<double> all = {0};
+  for (const Motion& m : motions_) all.insert(all.end(), {m.factor, m.offset});
+  for (const Line& l : lines_) all.insert(all.end(), {l.factor, l.offset});
+  for (const TermAt& t : sum_terms_) all.push_back(t.factor);
+  for (const TermAt& t : terms_) all.push_back(t.factor);
+  return all;
+}
+
+bool OutputProgram::same_shape(const OutputProgram& o) const {
+  const auto same = [](const auto& a, const auto& b) {
+    return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const auto& x, const auto& y) { return x.is_like(y); });
+  };
+  return dimension_ == o.dimension_ && same(motions_, o.motions_) && same(lines_, o.lines_) && same(sums_, o.sums_) &&
+         same(sum_terms_, o.sum_terms_) && same(terms_, o.terms_) && form_start_ == o.form_start_ &&
+         same(parts_, o.parts_);
+}
+
+StepProgram OutputProgram::output_step(Numbers numbers) const {
+  Writer to(*this, numbers);
+  for (std::size_t d = 0; d < 3; ++d) {
+    std::size_t place = 1;
+    for (const Motion& m : motions_) {
+      to.put(m.column + static_cast<std::int32_t>(d) * m.step,
+             to.add(to.begin(place + 1, m.offset, d), place, {m.address, m.factor}, d));
+      place += 2;
+    }
+    for (const Line& l : lines_) {
+      to.put(l.column[d], to.add(to.begin(place + 1, l.offset, d), place, {l.address, l.factor}, d));
+      place += 2;
+    }
     for (const Sum& sum : sums_) {
-      Value total = zero;
-      for (std::int32_t t = sum.begin; t < sum.end; ++t) {
-        total = add(total, sum_terms_[idx(t)].address, sum_terms_[idx(t)].factor, d);
-      }
-      put(sum.column[d], total);
+      Value total = to.zero();
+      for (std::int32_t t = sum.begin; t < sum.end; ++t) total = to.add(total, place++, sum_terms_[idx(t)], d);
+      to.put(sum.column[d], total);
     }
   }
-  const auto jet = [&](std::int32_t form) {
-    Value of[3] = {zero, zero, zero};
-    for (std::size_t d = 0; d < 3; ++d) {
-      for (const TermAt& t : terms_of(form)) of[d] = add(of[d], t.address, t.factor, d);
-    }
-    return Jet<Value>{of[0], of[1], of[2]};
-  };
   for (std::size_t i = 0; i < parts_.size(); ++i) {
     const Part& p = parts_[i];
     if (!p.is_signed_angle()) continue;
-    const auto [x, y] = arm_jets<Value>(p, jet);
-    graph.store({Memory::figures, static_cast<std::uint32_t>(i), Reach::one}, x.value * x.value + y.value * y.value);
+    const auto [x, y] = arm_by<Jet<Value>>(p, [&](std::int32_t form) {
+      return Jet<Value>{to.form(form, 0), to.form(form, 1), to.form(form, 2)};
+    });
+    to.store(Memory::figures, i, x.value * x.value + y.value * y.value);
     Value angle = HWY_NAMESPACE::signed_angle_of(y.value, x.value);
-    if (p.angle >= 0) {
-      angle =
-          angle + Value::set(kTurn) * graph.load({Memory::settings, static_cast<std::uint32_t>(p.angle), Reach::one});
-    }
+    if (p.angle >= 0) angle = angle + Value::set(kTurn) * to.load(Memory::settings, idx(p.angle));
     const Jet<Value> m = assur::angle_of<Value>(angle, y, x);
-    put(p.column[0], m.value);
-    put(p.column[1], m.rate);
-    put(p.column[2], m.acceleration);
+    to.put(p.column[0], m.value);
+    to.put(p.column[1], m.rate);
+    to.put(p.column[2], m.acceleration);
   }
-  return {{graph.phase()}, {}};
+  return to.finish();
 }
 
-bool OutputProgram::use(StepCode& code) {
-  constexpr std::size_t kOfAngle = 150;  // operations
+StepProgram OutputProgram::arm_step(Numbers numbers, std::size_t first_y) const {
+  Writer to(*this, numbers);
+  for (std::size_t i = 0; i < angles_.size(); ++i) {
+    const auto [x, y] = arm_by<Value>(parts_[angles_[i]], [&](std::int32_t form) { return to.form(form, 0); });
+    to.store(Memory::work, i, x);
+    to.store(Memory::work, first_y + i, y);
+  }
+  return to.finish();
+}
+
+std::size_t OutputProgram::operations() const {
+  constexpr std::size_t kOfAngle = 150;
   const auto angles = static_cast<std::size_t>(
       std::count_if(parts_.begin(), parts_.end(), [](const Part& p) { return p.is_signed_angle(); }));
-  const std::size_t operations =
-      3 * motions_.size() + lines_.size() + sum_terms_.size() + 3 * terms_.size() + kOfAngle * angles;
-  if (operations == 0 || operations > kMostInstructions) return false;
-  code_ = code.of(output_step(), 1);
-  return code_ != nullptr;
+  return 3 * motions_.size() + lines_.size() + sum_terms_.size() + 3 * terms_.size() + kOfAngle * angles;
 }
 
 std::int32_t OutputProgram::add_arm(const Part& part, std::int32_t one) {
@@ -324,20 +378,12 @@ std::vector<std::size_t> OutputProgram::angles() const {
 }
 
 void OutputProgram::arm(std::size_t i, const double* q, double& x, double& y) const {
-  const Part& part = parts_[angles_[i]];
   const auto value_of = [&](std::int32_t form) {
     double value = 0;
     for (const TermAt& t : terms_of(form)) value += t.factor * q[t.address];
     return value;
   };
-  if (part.arm >= 0) {
-    x = value_of(part.arm);
-    y = value_of(part.arm + 1);
-    return;
-  }
-  double forms[9];  // of two directions and, in space, the axis
-  for (std::int32_t f = part.forms_begin; f < part.forms_end; ++f) forms[f - part.forms_begin] = value_of(f);
-  const ArmOf<double> arm = arm_of<double>(part.kind, forms, dimension_);
+  const ArmOf<double> arm = arm_by<double>(parts_[angles_[i]], value_of);
   x = arm.x;
   y = arm.y;
 }
@@ -360,25 +406,27 @@ double OutputProgram::size_of_arm(std::size_t i, const double* q) const {
 void OutputProgram::evaluate(const double* const (&state)[3], double* out, const double* turns, double* divisors,
                              std::size_t part, std::size_t parts) const {
   const std::span<const Part> among = share(parts_, part, parts);
-  if (code_ && parts == 1) {
-    evaluate_by_code(state, out, turns, divisors);
-  } else {
-    evaluate_linear(state, out, 1, part, parts);
-    evaluate_angles(state, out, turns, divisors, among);
-  }
+  evaluate_linear(state, out, 1, part, parts);
+  evaluate_angles(state, out, turns, divisors, among);
+  evaluate_others(state, out, divisors, 1, among);
+}
+
+void OutputProgram::evaluate_others(const double* const (&state)[3], double* out, double* divisors, std::size_t apart,
+                                    std::span<const Part> among) const {
   for (const Part& measure : among) {
     if (measure.is_signed_angle()) continue;
     Jet<double> forms[9];
     evaluate_forms(measure, state, forms);
-    divisors[&measure - parts_.data()] = divisor_of<double>(measure.kind, {forms, 9}, dimension_);
-    put(measure, evaluate_measure<double>(measure.kind, {forms, 9}, dimension_), out);
+    const auto i = static_cast<std::size_t>(&measure - parts_.data());
+    divisors[i * apart] = divisor_of<double>(measure.kind, {forms, 9}, dimension_);
+    put(measure, evaluate_measure<double>(measure.kind, {forms, 9}, dimension_), out, apart);
   }
 }
 
-void OutputProgram::put(const Part& measure, const Jet<double>& m, double* out) {
+void OutputProgram::put(const Part& measure, const Jet<double>& m, double* out, std::size_t apart) {
   const double value[3] = {m.value, m.rate, m.acceleration};
   for (std::size_t d = 0; d < 3; ++d) {
-    if (measure.column[d] >= 0) out[measure.column[d]] = value[d] * measure.unit;
+    if (measure.column[d] >= 0) out[idx(measure.column[d]) * apart] = value[d] * measure.unit;
   }
 }
 
@@ -406,25 +454,10 @@ void OutputProgram::evaluate_angles(const double* const (&state)[3], double* out
   for (const Part& measure : among) {
     if (!measure.is_signed_angle()) continue;
     waiting[count] = &measure;
-    arms[count] = arm_jets<double>(measure, [&](std::int32_t form) { return jet_of(form, state); });
+    arms[count] = arm_by<Jet<double>>(measure, [&](std::int32_t form) { return jet_of(form, state); });
     if (++count == kAngleBlock) finish();
   }
   if (count > 0) finish();
-}
-
-void OutputProgram::evaluate_by_code(const double* const (&state)[3], double* out, const double* turns,
-                                     double* divisors) const {
-  static constexpr double kZero = 0;
-  std::array<double*, kMemories> memory;  // the code reads no other
-  const auto give = [&](Memory m, const double* at) { memory[static_cast<std::size_t>(m)] = const_cast<double*>(at); };
-  give(Memory::factors, &kZero);
-  give(Memory::state, state[0]);
-  give(Memory::state_rates, state[1]);
-  give(Memory::state_accelerations, state[2]);
-  give(Memory::settings, turns);
-  give(Memory::figures, divisors);
-  give(Memory::outputs, out);
-  code_->run(memory);
 }
 
 void OutputProgram::differentiate(const double* const (&state)[3], const double* const (&change)[3], RandomSign* sign,

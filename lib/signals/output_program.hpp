@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "execute/step_code.hpp"
+#include "program/step_program.hpp"
 #include "scene/jet.hpp"
 #include "scene/outputs.hpp"
 #include "scene/system.hpp"
@@ -131,14 +131,30 @@ class OutputProgram {
   // Evaluates outputs side by side that read neighbouring numbers of the state, as the lanes of a pack are. To be
   // called after mark(); bind() returns to one output after the other. size: of the state.
   void find_rows(std::size_t size);
-  // Instead of find_rows(): evaluates linear outputs and signed angles by machine code. False if there is none.
-  [[nodiscard]] bool use(StepCode& code);
   [[nodiscard]] std::size_t rows() const { return rows_.size(); }
 
+  // Number of columns.
+  [[nodiscard]] std::size_t columns() const { return columns_; }
   // Columns of signed angles, which are unwrapped along a run.
   [[nodiscard]] std::vector<std::size_t> angles() const;
   // The i-th of angles() is atan2(y, x) at a posture.
   void arm(std::size_t i, const double* q, double& x, double& y) const;
+
+  // The numbers of the mechanism. True if the step programs of another one differ in nothing else.
+  [[nodiscard]] std::vector<double> numbers() const;
+  [[nodiscard]] bool same_shape(const OutputProgram& other) const;
+  // Where a program has its numbers.
+  enum class Numbers : std::uint8_t {
+    constants,  // it is for this mechanism only, and every reach is Reach::one
+    loads,      // from Memory::factors: it is for mechanisms side by side, one in each lane
+  };
+  // Linear outputs with their constants, and signed angles: Memory::settings has the turns of angles(), and
+  // Memory::figures takes the divisors of the measures. To be called before find_rows().
+  [[nodiscard]] StepProgram output_step(Numbers numbers) const;
+  // Each of angles() is atan2(y, x): writes x to a row of Memory::work, and y to a row from first_y on.
+  [[nodiscard]] StepProgram arm_step(Numbers numbers, std::size_t first_y) const;
+  // Number of instructions of output_step(), about.
+  [[nodiscard]] std::size_t operations() const;
   // Size of the terms of x and y: their rounding errors are relative to it.
   [[nodiscard]] double size_of_arm(std::size_t i, const double* q) const;
 
@@ -150,6 +166,10 @@ class OutputProgram {
   // the columns, for one of several threads.
   void evaluate(const double* const (&state)[3], double* out, const double* turns, double* divisors,
                 std::size_t part = 0, std::size_t parts = 1) const;
+  // The rest of evaluate(), which output_step() leaves out. out and divisors: their numbers are `apart` from each other.
+  void evaluate_others(const double* const (&state)[3], double* out, double* divisors, std::size_t apart = 1) const {
+    evaluate_others(state, out, divisors, apart, parts_);
+  }
   // Adds up sums of measures from columns of the same row. To be called after evaluate(), with whole turns added.
   void add_up(double* out) const { add_up(out, 1); }
   // Number of measures without sums.
@@ -164,6 +184,8 @@ class OutputProgram {
   struct TermAt {
     std::int32_t address;
     double factor;
+
+    [[nodiscard]] bool is_like(const TermAt& o) const { return address == o.address; }
   };
   struct Part {
     MeasureForms::Kind kind;
@@ -176,23 +198,35 @@ class OutputProgram {
     [[nodiscard]] bool is_signed_angle() const {
       return kind == MeasureForms::Kind::absolute_angle || kind == MeasureForms::Kind::signed_angle;
     }
+    [[nodiscard]] bool is_like(const Part& o) const {
+      return kind == o.kind && forms_begin == o.forms_begin && forms_end == o.forms_end && unit == o.unit &&
+             column == o.column && angle == o.angle && arm == o.arm;
+    }
   };
   // An output with all derivatives that is linear in one coordinate, in SI units: offset + factor * coordinate.
   struct Motion {
     std::int32_t address, column;  // column of the value
     std::int32_t step;             // from there to the rate, and to the acceleration
     double factor, offset;
+
+    [[nodiscard]] bool is_like(const Motion& o) const {
+      return address == o.address && column == o.column && step == o.step;
+    }
   };
   // The same with some of the derivatives.
   struct Line {
     std::int32_t address;
     std::array<std::int32_t, 3> column;  // of value, rate, acceleration; -1: not wanted
     double factor, offset;
+
+    [[nodiscard]] bool is_like(const Line& o) const { return address == o.address && column == o.column; }
   };
   // An output that is linear in several coordinates: terms in SI units, the same for value, rate and acceleration.
   struct Sum {
     std::int32_t begin, end;
     std::array<std::int32_t, 3> column;  // -1: not wanted
+
+    [[nodiscard]] bool is_like(const Sum& o) const { return begin == o.begin && end == o.end && column == o.column; }
   };
   struct Form;
   struct Neighbours;
@@ -203,16 +237,17 @@ class OutputProgram {
   [[nodiscard]] Jet<double> jet_of(std::int32_t form, const double* const (&state)[3]) const;
   void evaluate_angles(const double* const (&state)[3], double* out, const double* turns, double* divisors,
                        std::span<const Part> among) const;
-  void evaluate_by_code(const double* const (&state)[3], double* out, const double* turns, double* divisors) const;
-  // The arm of a signed angle. jet(form): value and derivatives of a form
-  template <class T, class JetOf>
-  [[nodiscard]] ArmOf<Jet<T>> arm_jets(const Part& measure, const JetOf& jet) const {
-    if (measure.arm >= 0) return {jet(measure.arm), jet(measure.arm + 1)};
-    Jet<T> forms[9];
-    for (std::int32_t f = measure.forms_begin; f < measure.forms_end; ++f) forms[f - measure.forms_begin] = jet(f);
-    return arm_of<Jet<T>>(measure.kind, {forms, 9}, dimension_);
+  // The arm of a signed angle. of(form): the form, a number or a jet
+  template <class N, class Of>
+  [[nodiscard]] ArmOf<N> arm_by(const Part& measure, const Of& of) const {
+    if (measure.arm >= 0) return {of(measure.arm), of(measure.arm + 1)};
+    N forms[9] = {};
+    for (std::int32_t f = measure.forms_begin; f < measure.forms_end; ++f) forms[f - measure.forms_begin] = of(f);
+    return arm_of<N>(measure.kind, {forms, 9}, dimension_);
   }
-  static void put(const Part& measure, const Jet<double>& m, double* out);
+  static void put(const Part& measure, const Jet<double>& m, double* out, std::size_t apart = 1);
+  void evaluate_others(const double* const (&state)[3], double* out, double* divisors, std::size_t apart,
+                       std::span<const Part> among) const;
   [[nodiscard]] std::span<const TermAt> terms_of(std::int32_t form) const {
     const auto f = static_cast<std::size_t>(form);
     return {terms_.data() + form_start_[f], terms_.data() + form_start_[f + 1]};
@@ -237,12 +272,15 @@ class OutputProgram {
     double factor;
   };
   void add_up(double* out, double constant) const;
-  [[nodiscard]] StepProgram output_step() const;
+  class Writer;
+  [[nodiscard]] std::size_t place_of_terms() const {  // among numbers()
+    return 1 + 2 * motions_.size() + 2 * lines_.size() + sum_terms_.size();
+  }
 
-  std::shared_ptr<const Executor> code_;  // linear outputs and signed angles; null: none
   const AngleKernels* kernels_ = &angle_kernels();
   EvaluateForms evaluate_rows_ = assur::evaluate_forms();
   int dimension_ = 2;
+  std::size_t columns_ = 0;
   std::vector<Total> totals_;
   std::vector<TotalTerm> total_terms_;
   std::vector<FormRow> rows_;

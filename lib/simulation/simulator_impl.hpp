@@ -22,6 +22,7 @@
 #include "signals/angle_turns.hpp"
 #include "signals/columns.hpp"
 #include "signals/output_program.hpp"
+#include "signals/output_steps.hpp"
 #include "simulation/output_slopes.hpp"
 
 namespace assur {
@@ -64,13 +65,18 @@ struct Simulator::Impl {
         motion(prepared, limits, report, events),
         columns(column_names(system)),
         outputs(system, motion.layout().address),
-        turns(outputs),
+        turns({&outputs, 1}),
         estimate(structure, motion.layout(), {&outputs, 1}, prepared.plan.accuracy),
         functions(structure, system, motion.layout().address) {
     std::vector<std::uint8_t> read(motion.layout().size, 0);
     outputs.mark(read);
     const bool has_code = prepared.code != nullptr && motion.levels().threads() == 1;
-    if (!has_code || !outputs.use(*prepared.code)) outputs.find_rows(motion.layout().size);
+    if (has_code) output_steps = OutputSteps::of_one(outputs, *prepared.code);
+    if (output_steps) {
+      turns.use(*output_steps);
+    } else {
+      outputs.find_rows(motion.layout().size);
+    }
     motion.keep_what_is_read(std::move(read));
     motion.follow(turns);
     row.resize(columns.size());
@@ -180,10 +186,9 @@ struct Simulator::Impl {
   // Checks whether the posture that was reached from time `from` has the required accuracy.
   Status check_accuracy(double from) {
     const double* const q[3] = {motion.at(0), motion.at(1), motion.at(2)};
-    const double* const divided_by = divisors.data();
     const double now = motion.time();
     const bool due =
-        estimate.due(report.counters.branch_checks, {&now, 1}, q, motion.errors().worst(), {&divided_by, 1});
+        estimate.due(report.counters.branch_checks, {&now, 1}, q, motion.errors().worst(), divisors.data());
     if (due || motion.on_change_point()) judge();
     if (postponed >= kMostPostponed) verdict = {Code::inaccurate, {}, kInfinity};
     return verdict.ok() && !motion.turn_guessed() ? Status{} : tell_verdict(from);
@@ -262,10 +267,10 @@ struct Simulator::Impl {
   bool measure(bool in_time = true) {
     const double* const q[3] = {motion.at(0), motion.at(1), motion.at(2)};
     const double now = motion.time();
-    const double *const of = row.data(), *const divided_by = divisors.data();
+    const double* const of = row.data();
     estimate.contradict(0, motion.contradiction());
     return estimate.measure(
-        {&now, 1}, q, {&of, 1}, {&divided_by, 1}, [&](const auto& work) { motion.levels().each(work); },
+        {&now, 1}, q, {&of, 1}, divisors.data(), [&](const auto& work) { motion.levels().each(work); },
         [&] { return in_time && motion.deadline_passed(); });
   }
 
@@ -518,9 +523,13 @@ struct Simulator::Impl {
 
   void fill_row() {
     const double* const q[3] = {motion.at(0), motion.at(1), motion.at(2)};
-    motion.levels().share(row.size(), [&](std::size_t part, std::size_t parts) {
-      outputs.evaluate(q, row.data(), turns.turns(), divisors.data(), part, parts);
-    });
+    if (output_steps) {
+      output_steps->evaluate(q, row.data(), turns.turns(), divisors.data());
+    } else {
+      motion.levels().share(row.size(), [&](std::size_t part, std::size_t parts) {
+        outputs.evaluate(q, row.data(), turns.turns(), divisors.data(), part, parts);
+      });
+    }
     outputs.add_up(row.data());
   }
 
@@ -541,6 +550,7 @@ struct Simulator::Impl {
   Continuation motion;
   std::vector<std::string> columns;
   OutputProgram outputs;
+  std::unique_ptr<OutputSteps> output_steps;  // null: outputs has no code
   AngleTurns turns;
   ErrorEstimate estimate;
   FunctionCheck functions;

@@ -1,0 +1,93 @@
+#include "signals/output_steps.hpp"
+
+#include "index.hpp"
+#include "signals/angle_kernels.hpp"
+
+namespace assur {
+
+template <class Make>
+void OutputSteps::make(Numbers numbers, const Make& executor) {
+  const OutputProgram& first = outputs_[0];
+  const std::size_t w = outputs_.size(), angles = first.angles().size();
+  if (first.operations() == 0 || first.operations() > kMostInstructions) return;
+  values_ = executor(first.output_step(numbers));
+  if (angles > 0) arms_ = executor(first.arm_step(numbers, padded(angles * w) / w));
+}
+
+std::unique_ptr<OutputSteps> OutputSteps::of_one(const OutputProgram& outputs, StepCode& code) {
+  std::unique_ptr<OutputSteps> out(new OutputSteps(outputs));
+  out->make(Numbers::constants, [&](const StepProgram& program) { return code.of(program, 1); });
+  out->numbers_ = {0};
+  return out->values_ ? std::move(out) : nullptr;
+}
+
+OutputSteps::OutputSteps(std::span<const OutputProgram> outputs, StepCode* code) : outputs_(outputs) {
+  row_.resize(outputs[0].columns());
+  turns_.resize(outputs[0].angles().size());
+  divisors_.resize(outputs[0].measures());
+  make(Numbers::loads, [&](const StepProgram& program) -> std::shared_ptr<const Executor> {
+    const auto w = static_cast<int>(outputs.size());
+    std::shared_ptr<const Executor> by_code = code != nullptr ? code->of(program, w) : nullptr;
+    return by_code ? by_code : make_interpreter(program, w);
+  });
+}
+
+void OutputSteps::bind(std::size_t used) {
+  used_ = used;
+  is_alike_ = true;
+  const std::size_t w = outputs_.size();
+  for (std::size_t lane = 0; lane < w; ++lane) {
+    const OutputProgram& program = outputs_[lane < used ? lane : 0];
+    is_alike_ = is_alike_ && program.same_shape(outputs_[0]);
+    if (!is_alike_) return;
+    const std::vector<double> numbers = program.numbers();
+    numbers_.resize(numbers.size() * w);
+    for (std::size_t i = 0; i < numbers.size(); ++i) numbers_[i * w + lane] = numbers[i];
+  }
+}
+
+// The programs write to none of these.
+std::array<double*, kMemories> OutputSteps::memory(const double* q) const {
+  std::array<double*, kMemories> memory;
+  memory[static_cast<std::size_t>(Memory::factors)] = const_cast<double*>(numbers_.data());
+  memory[static_cast<std::size_t>(Memory::state)] = const_cast<double*>(q);
+  return memory;
+}
+
+bool OutputSteps::arms(const double* q, double* vectors) const {
+  if (!arms_ || !is_alike_) return false;
+  auto all = memory(q);
+  all[static_cast<std::size_t>(Memory::work)] = vectors;
+  arms_->run(all);
+  return true;
+}
+
+void OutputSteps::evaluate(const double* const (&state)[3], double* out, const double* turns, double* divisors) {
+  if (!values_ || !is_alike_) return evaluate_one_by_one(state, out, turns, divisors);
+  auto all = memory(state[0]);
+  const auto give = [&](Memory m, const double* at) { all[static_cast<std::size_t>(m)] = const_cast<double*>(at); };
+  give(Memory::state_rates, state[1]);
+  give(Memory::state_accelerations, state[2]);
+  give(Memory::settings, turns);
+  give(Memory::figures, divisors);
+  give(Memory::outputs, out);
+  values_->run(all);
+  for (std::size_t lane = 0; lane < used_; ++lane) {
+    outputs_[lane].evaluate_others({state[0] + lane, state[1] + lane, state[2] + lane}, out + lane, divisors + lane,
+                                   outputs_.size());
+  }
+}
+
+void OutputSteps::evaluate_one_by_one(const double* const (&state)[3], double* out, const double* turns,
+                                      double* divisors) {
+  const std::size_t w = outputs_.size();
+  for (std::size_t lane = 0; lane < used_; ++lane) {
+    for (std::size_t i = 0; i < turns_.size(); ++i) turns_[i] = turns[i * w + lane];
+    outputs_[lane].evaluate({state[0] + lane, state[1] + lane, state[2] + lane}, row_.data(), turns_.data(),
+                            divisors_.data());
+    for (std::size_t c = 0; c < row_.size(); ++c) out[c * w + lane] = row_[c];
+    for (std::size_t i = 0; i < divisors_.size(); ++i) divisors[i * w + lane] = divisors_[i];
+  }
+}
+
+}  // namespace assur

@@ -1,0 +1,51 @@
+// Outputs as step programs: of one mechanism, by machine code; or of mechanisms of one structure, one in each lane of
+// the state, by machine code or by lists of operations.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "equations/lane_array.hpp"
+#include "execute/step_code.hpp"
+#include "signals/output_program.hpp"
+
+namespace assur {
+
+class OutputSteps {
+ public:
+  // Of one mechanism, whose program does not change. Null if it has no code.
+  [[nodiscard]] static std::unique_ptr<OutputSteps> of_one(const OutputProgram& outputs, StepCode& code);
+  // One program for each lane; they must outlive this object. code: null if there is none
+  OutputSteps(std::span<const OutputProgram> outputs, StepCode* code);
+
+  // To be called when programs of lanes have changed. used: number of lanes with mechanisms; the others repeat the
+  // first.
+  void bind(std::size_t used);
+
+  // Computes the vectors of all angles(), see OutputProgram::arm(): x and then, from padded(angles x W) on, y; each
+  // angles x W. False: they must be computed one by one.
+  [[nodiscard]] bool arms(const double* q, double* vectors) const;
+
+  // Like OutputProgram::evaluate() for all lanes: turns, out and divisors are angles x W, columns x W, measures x W.
+  void evaluate(const double* const (&state)[3], double* out, const double* turns, double* divisors);
+
+ private:
+  using Numbers = OutputProgram::Numbers;
+  explicit OutputSteps(const OutputProgram& outputs) : outputs_(&outputs, 1) {}
+  template <class Make>
+  void make(Numbers numbers, const Make& executor);
+  [[nodiscard]] std::array<double*, kMemories> memory(const double* q) const;
+  void evaluate_one_by_one(const double* const (&state)[3], double* out, const double* turns, double* divisors);
+
+  std::span<const OutputProgram> outputs_;
+  std::size_t used_ = 1;
+  std::shared_ptr<const Executor> values_, arms_;  // null: they have nothing to do, or too much
+  bool is_alike_ = true;                           // the programs of all lanes have one shape
+  LaneArray numbers_;                              // x W
+  std::vector<double> row_, turns_, divisors_;     // of one lane
+};
+
+}  // namespace assur
