@@ -65,7 +65,7 @@ ErrorEstimate::ErrorEstimate(const Structure& structure, Layout& layout, std::sp
     memory_[d].resize(probes_.size() * layout.size);
     for (std::size_t k = 0; k < probes_.size(); ++k) probes_[k].errors[d] = memory_[d].data() + k * layout.size;
   }
-  slopes_.resize(size_of_.size());
+  slopes_.resize(size_of_.size() * outputs.size());
   mechanisms_.resize(outputs.size());
   for (Mechanism& m : mechanisms_) {
     m.sizes.resize(3 * dimension_.size());
@@ -512,15 +512,18 @@ void ErrorEstimate::confirm_growth(double before) {
 void ErrorEstimate::carry(const Probe& probe, const double* const (&state)[3]) {
   const bool rounds = probe.cause == Probe::Cause::rounding;
   RandomSign sign(seed_ + static_cast<std::uint64_t>(&probe - probes_.data()));
+  const double* const along[3] = {probe.errors[0], probe.errors[1], probe.errors[2]};
+  if (output_steps_ != nullptr) {
+    output_steps_->differentiate(state, along, rounds ? &sign : nullptr, slopes_.data());
+  } else {
+    outputs_[0].differentiate(state, along, rounds ? &sign : nullptr, slopes_.data());
+  }
   for (std::size_t k = 0; k < used_; ++k) {
     Mechanism& m = mechanisms_[k];
-    const double* const of[3] = {state[0] + k, state[1] + k, state[2] + k};
-    const double* const along[3] = {probe.errors[0] + k, probe.errors[1] + k, probe.errors[2] + k};
-    outputs_[k].differentiate(of, along, rounds ? &sign : nullptr, slopes_.data());
-    for (std::size_t c = 0; c < slopes_.size(); ++c) {
+    for (std::size_t c = 0; c < size_of_.size(); ++c) {
       const std::size_t i = idx(size_of_[c]);
       double& size = probe.cause == Probe::Cause::left ? m.sizes[i].error : rounds ? m.rounding[i] : m.sizes[i].gain;
-      double slope = std::abs(slopes_[c]);
+      double slope = std::abs(slopes_[c * mechanisms_.size() + k]);
       if (probe.cause == Probe::Cause::tolerance) slope *= kSafety / kSumRounding;
       if (!(slope <= size)) size = std::isnan(slope) ? kInfinity : slope;
     }

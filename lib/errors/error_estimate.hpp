@@ -19,6 +19,7 @@
 #include "path/levels.hpp"
 #include "signals/inputs.hpp"
 #include "signals/output_program.hpp"
+#include "signals/output_steps.hpp"
 
 namespace assur {
 
@@ -35,6 +36,9 @@ class ErrorEstimate {
   // outputs: of the mechanism, or of each mechanism in the lanes of a tile. All arguments must outlive the estimate.
   // accuracy: larger errors are in doubt; 0: errors larger than kDoubtfulError.
   ErrorEstimate(const Structure& structure, Layout& layout, std::span<const OutputProgram> outputs, double accuracy);
+
+  // From now on differentiates the outputs of all lanes by step programs, which must outlive the estimate.
+  void use(OutputSteps& steps) { output_steps_ = &steps; }
 
   // Saves the estimates. Allocates no memory if `into` holds a snapshot of the same plan.
   struct Snapshot;
@@ -197,7 +201,8 @@ class ErrorEstimate {
   std::array<bool, 3> wanted_{};               // true if an output needs values, rates, accelerations
   std::array<std::vector<double>, 3> memory_;  // errors of all probes, by derivative
   std::vector<Probe> probes_;                  // the first one carries the residuals
-  std::vector<double> slopes_;                 // changes of the outputs along a probe
+  OutputSteps* output_steps_ = nullptr;
+  std::vector<double> slopes_;                 // changes of the outputs along a probe: columns x lanes
   std::vector<Mechanism> mechanisms_;          // lanes
   Watched watched_;
   std::vector<const System*> systems_;         // systems of the used mechanisms

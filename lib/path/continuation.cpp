@@ -88,7 +88,7 @@ void Continuation::keep_what_is_read(std::vector<std::uint8_t> marked) {
 void Continuation::use(StepCode& code) {
   inputs_.use(code);
   const bool on_one_thread = together_ == nullptr && levels_.threads() == 1;
-  if (on_one_thread) whole_ = WholeStep::make(layout_, inputs_.program(), state_, code);
+  if (on_one_thread) whole_ = WholeStep::make(layout_, &inputs_.program(), state_, code);
   if (whole_) return;  // what it does not solve is rare
   if (together_) together_->use(code);
   // Those with the most work first, as long as there is time for code.

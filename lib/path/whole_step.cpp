@@ -10,12 +10,13 @@
 
 namespace assur {
 
-std::unique_ptr<WholeStep> WholeStep::make(Layout& layout, DriveProgram& drivers, const State& state, StepCode& code) {
+std::unique_ptr<WholeStep> WholeStep::make(Layout& layout, DriveProgram* drivers, const State& state, StepCode& code,
+                                           std::size_t first) {
   constexpr std::size_t kLeast = 100;  // instructions of a group
-  if (layout.packs.empty() || kLeast * layout.packs.size() > kMostInstructions) return nullptr;
-  std::unique_ptr<WholeStep> out(new WholeStep(layout, drivers));
-  MechanismOutline outline{drivers.outline(), state.weights(), {}};
-  for (const Pack& pack : layout.packs) {
+  std::unique_ptr<WholeStep> out(new WholeStep(layout, drivers, first));
+  if (out->packs_.empty() || kLeast * out->packs_.size() > kMostInstructions) return nullptr;
+  MechanismOutline outline{drivers != nullptr ? drivers->outline() : DrivenOutline{}, state.weights(), {}};
+  for (const Pack& pack : out->packs_) {
     const GroupSolver& s = out->solver(pack);
     if (!s.has_small_step()) return nullptr;
     outline.groups.push_back({s.lanes(), s.group_class(), s.program(), s.blocks().reads(0), pack.inputs,
@@ -25,7 +26,7 @@ std::unique_ptr<WholeStep> WholeStep::make(Layout& layout, DriveProgram& drivers
   if (step.program.phases.empty()) return nullptr;
   out->code_ = code.of(step.program, 1);
   if (!out->code_) return nullptr;
-  for (const Pack& pack : layout.packs) {
+  for (const Pack& pack : out->packs_) {
     const GroupSolver& s = out->solver(pack);
     Anchors& anchors = out->anchors_.emplace_back();
     anchors.of = out.get();
@@ -40,7 +41,7 @@ std::unique_ptr<WholeStep> WholeStep::make(Layout& layout, DriveProgram& drivers
 }
 
 void WholeStep::reserve(std::size_t work) {
-  const std::vector<Pack>& packs = layout_.packs;
+  const std::span<Pack> packs = packs_;
   const auto lanes = [&](const Pack& pack) { return idx(solver(pack).lanes()); };
   std::size_t inputs = 0, all_lanes = 0, most_lanes = 0;
   for (const Pack& pack : packs) {
@@ -53,11 +54,13 @@ void WholeStep::reserve(std::size_t work) {
   of_lanes_.assign(all_lanes * kGroupFigures, 0.0);
   figures_.resize(packs.size());
   memory_.assign(packs.size() * kMemories, nullptr);
-  at(Memory::laws) = drivers_.jets(0);
-  at(Memory::law_rates) = drivers_.jets(1);
-  at(Memory::law_accelerations) = drivers_.jets(2);
-  at(Memory::sines) = drivers_.sines();
-  at(Memory::cosines) = drivers_.cosines();
+  if (drivers_ != nullptr) {
+    at(Memory::laws) = drivers_->jets(0);
+    at(Memory::law_rates) = drivers_->jets(1);
+    at(Memory::law_accelerations) = drivers_->jets(2);
+    at(Memory::sines) = drivers_->sines();
+    at(Memory::cosines) = drivers_->cosines();
+  }
   at(Memory::factors) = factors_.data();
   at(kUndefined.memory) = &undefined_;
   double *next = inputs_.data(), *figures = of_lanes_.data();
@@ -76,8 +79,8 @@ void WholeStep::reserve(std::size_t work) {
 }
 
 void WholeStep::take_rest(const double* state) {
-  for (std::size_t p = 0; p < layout_.packs.size(); ++p) {
-    const Pack& pack = layout_.packs[p];
+  for (std::size_t p = 0; p < packs_.size(); ++p) {
+    const Pack& pack = packs_[p];
     for (std::size_t i = 0; i < pack.inputs.size(); ++i) at(Memory::inputs, p)[i] = state[idx(pack.inputs[i])];
   }
   knows_rest_ = true;
@@ -96,11 +99,11 @@ bool WholeStep::run(double* const (&state)[3], const State::Prediction& predicti
   for (std::size_t k = 0; k < weights_; ++k) {
     to[static_cast<std::size_t>(Memory::past) + k] = const_cast<double*>(prediction.sources[k]);
   }
-  for (const Pack& pack : layout_.packs) {
+  for (const Pack& pack : packs_) {
     point_to_unknowns(pack, state, to);
     to += kMemories;
   }
-  drivers_.find_sines();
+  if (drivers_ != nullptr) drivers_->find_sines();
   code_->run(memory_);
   return find_figures();
 }
@@ -127,11 +130,11 @@ bool WholeStep::find_figures() {
 
 Status WholeStep::finish(double* const (&state)[3], const Attempt& attempt, Counters& counters, StepErrors& errors,
                          std::size_t& failed) {
-  std::vector<Pack>& packs = layout_.packs;
-  failed = packs.size();
+  const std::span<Pack> packs = packs_;
+  failed = layout_.packs.size();
   Status status;
   for (std::size_t p = 0; p < packs.size(); ++p) {
-    if (!status.ok() && packs[failed].level != packs[p].level) break;
+    if (!status.ok() && packs[failed - first_].level != packs[p].level) break;
     const Figures& f = figures_[p];
     const auto row = [&](GroupFigure figure) {
       return f.of_lanes + static_cast<std::size_t>(figure) * idx(solver(packs[p]).lanes());
@@ -148,7 +151,7 @@ Status WholeStep::finish(double* const (&state)[3], const Attempt& attempt, Coun
         solver(packs[p]).finish_small_step(packs[p], state, attempt, of_pack, anchors_[p], counters, errors);
     if (s.ok() || !status.ok()) continue;
     status = s;
-    failed = p;
+    failed = first_ + p;
   }
   return status;
 }

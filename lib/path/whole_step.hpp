@@ -1,11 +1,12 @@
-// The ordinary step of a small mechanism as one call of machine code (program/mechanism_step.hpp): driven coordinates,
-// predictions and groups of all levels. If anything is unusual, the mechanism is solved as if there were no such code,
-// with the same bits.
+// The ordinary step of a small mechanism, or of the mechanisms in the lanes of a tile, as one call of machine code
+// (program/mechanism_step.hpp): driven coordinates, predictions and groups of all levels. If anything is unusual, the
+// step is solved as if there were no such code, with the same bits.
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "execute/step_code.hpp"
@@ -21,18 +22,19 @@ namespace assur {
 class WholeStep {
  public:
   // Null if there is no such code: for a group that has no small step, or if it would be too long. All must outlive it,
-  // and the drivers must not change.
-  [[nodiscard]] static std::unique_ptr<WholeStep> make(Layout& layout, DriveProgram& drivers, const State& state,
-                                                       StepCode& code);
+  // and the drivers must not change. drivers: null if run() finds the known coordinates at hand. first: packs before
+  // this one are at rest
+  [[nodiscard]] static std::unique_ptr<WholeStep> make(Layout& layout, DriveProgram* drivers, const State& state,
+                                                       StepCode& code, std::size_t first = 0);
 
   // To be called when coordinates at rest may have changed.
   void forget() { knows_rest_ = false; }
 
   // Tries the step to a time for which the laws are evaluated. True: the state at hand is solved, and finish() must
-  // follow if nothing speaks against it. False: its known coordinates and unknowns are unspecified.
+  // follow if nothing speaks against it. False: its unknowns, and known coordinates that it computes, are unspecified.
   [[nodiscard]] bool run(double* const (&state)[3], const State::Prediction& prediction, const Attempt& attempt);
   [[nodiscard]] Status finish(double* const (&state)[3], const Attempt& attempt, Counters& counters, StepErrors& errors,
-                              std::size_t& failed);
+                              std::size_t& failed);  // failed: among all packs
 
  private:
   // Of a pack, in Memory::figures.
@@ -51,7 +53,8 @@ class WholeStep {
     std::size_t number = 0;  // of the pack
     std::shared_ptr<const Executor> code;
   };
-  WholeStep(Layout& layout, DriveProgram& drivers) : layout_(layout), drivers_(drivers) {}
+  WholeStep(Layout& layout, DriveProgram* drivers, std::size_t first)
+      : layout_(layout), drivers_(drivers), packs_(std::span(layout.packs).subspan(first)), first_(first) {}
   [[nodiscard]] GroupSolver& solver(const Pack& pack) {
     return *layout_.solvers[static_cast<std::size_t>(pack.group_class)];
   }
@@ -63,7 +66,9 @@ class WholeStep {
   }
 
   Layout& layout_;
-  DriveProgram& drivers_;
+  DriveProgram* drivers_;
+  std::span<Pack> packs_;  // of the layout, from first_ on
+  std::size_t first_;
   std::shared_ptr<const Executor> code_;
   std::size_t weights_ = 0;       // of the prediction
   LaneArray factors_, work_;      // memory of the code

@@ -15,6 +15,11 @@ namespace {
 // False if a solver still has the pivots with which it began.
 bool has_worked(const Effort& e) { return e.redone + e.renewed + e.refined + e.unplanned + e.in_double > 0; }
 
+// Status of a pack, whose groups are the lanes.
+Status in_lane(const Status& of_group) {
+  return of_group.ok() ? of_group : Status{of_group.code, Place::lane(of_group.where.index), of_group.figure};
+}
+
 }  // namespace
 
 Tile::Tile(const Prepared& prepared, const StepLimits& limits)
@@ -40,6 +45,7 @@ Tile::Tile(const Prepared& prepared, const StepLimits& limits)
   mechanisms_[0].bind(system, false);
   bow_times_.resize(idx(lanes_));
   turns_.use(output_steps_);
+  estimate_.use(output_steps_);
   drive_.resize(idx(lanes_));
   bound_to_.resize(idx(lanes_));
   wanted_.resize(idx(lanes_));
@@ -62,6 +68,7 @@ Tile::Tile(const Prepared& prepared, const StepLimits& limits)
   }
   while (at_rest_ < layout_.packs.size() && layout_.packs[at_rest_].unknowns < layout_.first_unknown) ++at_rest_;
   for (const Index i : driven_.assignments) driven_coordinates_.push_back(system.assignments[idx(i)].coordinate);
+  if (prepared.code) whole_ = WholeStep::make(layout_, nullptr, state_, *prepared.code, at_rest_);
 }
 
 void Tile::keep_pivots(const Variant& of) {
@@ -77,6 +84,7 @@ Status Tile::start(std::span<const Variant* const> variants, bool alike) {
   variants_.assign(variants.begin(), variants.end());
   bind(alike);
   state_.clear();
+  if (whole_) whole_->forget();
   begin_bows();
   const std::size_t w = idx(lanes_);
   for (std::size_t lane = 0; lane < w; ++lane) {
@@ -231,7 +239,7 @@ Status Tile::check_functions(std::span<const double> times) {
 Status Tile::step(std::span<const double> times) {
   if (const Status s = check_functions(times); !s.ok()) return s;
   bows_.begin_step();
-  state_.predict(times[0]);
+  predict(times[0]);
   Status s = solve(times, Attempt::Branch::inside);
   if (s.ok() && mechanisms_[0].limits() != nullptr) s = check_limits(times);
   if (!s.ok()) {
@@ -241,6 +249,13 @@ Status Tile::step(std::span<const double> times) {
   accept(times);
   counters_.steps += static_cast<std::int64_t>(variants_.size());
   return s;
+}
+
+// The code of a whole step predicts for itself.
+void Tile::predict(double time) {
+  state_.begin_prediction(time, prediction_);
+  is_predicted_ = !whole_ || limits_.iterations > 0 || time == now_[0];
+  if (is_predicted_) combine();
 }
 
 // One attempt. A rejected attempt does not change the packs.
@@ -267,7 +282,18 @@ Status Tile::solve_all(std::span<const double> times, Attempt::Branch branch, St
   for (std::size_t lane = 0; lane < driven_lanes_; ++lane) {
     if (const Status s = check_levers(Mechanism::Levers::known, lane, seconds(lane)); !s.ok()) return s;
   }
-  if (const Status s = solve_packs(times, branch, inside ? converged_ : kConverged, errors); !s.ok()) return s;
+  double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
+  const double converged = inside ? converged_ : kConverged;
+  const Attempt attempt = usual_attempt(times[0], branch, converged);
+  bool whole = !std::exchange(is_predicted_, true);
+  if (whole && !whole_->run(q, prediction_, attempt)) {
+    whole = false;
+    combine();
+  }
+  std::size_t failed = 0;
+  const Status solved = whole ? in_lane(whole_->finish(q, attempt, counters_, errors, failed))
+                              : solve_packs(times, branch, converged, errors);
+  if (!solved.ok()) return solved;
   for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
     if (const Status s = check_levers(Mechanism::Levers::unknown, lane, seconds(lane)); !s.ok()) return s;
   }
@@ -344,21 +370,26 @@ bool Tile::polish() {
   return true;
 }
 
+// time: of the first lane; steps have the same length in every lane
+Attempt Tile::usual_attempt(double time, Attempt::Branch branch, double converged) const {
+  Attempt usual;
+  usual.branch = branch;
+  usual.converged = converged;
+  usual.number = attempts_;
+  usual.time = time;
+  usual.most_iterations = limits_.most_iterations;
+  usual.makes_code = true;
+  return usual;
+}
+
 Status Tile::solve_packs(std::span<const double> times, Attempt::Branch branch, double converged, StepErrors& errors) {
   double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
   const bool moves = times[0] != now_[0];
+  Attempt attempt = usual_attempt(times[0], branch, converged);
   for (Pack& pack : std::span(layout_.packs).subspan(moves ? at_rest_ : 0)) {
-    Attempt attempt;
-    attempt.branch = branch;
-    attempt.converged = converged;
-    attempt.number = attempts_;
-    attempt.time = times[0];  // steps have the same length in every lane
     attempt.iterations = pack.level > 0 && branch == Attempt::Branch::inside ? limits_.iterations : 0;
-    attempt.most_iterations = limits_.most_iterations;
-    attempt.makes_code = true;
     GroupSolver& solver = *layout_.solvers[idx(pack.group_class)];
-    const Status s = solver.solve(pack, q, attempt, counters_, errors);
-    if (!s.ok()) return {s.code, Place::lane(s.where.index), s.figure};  // the groups of a pack are the lanes
+    if (const Status s = solver.solve(pack, q, attempt, counters_, errors); !s.ok()) return in_lane(s);
   }
   return {};
 }

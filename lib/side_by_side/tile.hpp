@@ -20,6 +20,7 @@
 #include "path/layout.hpp"
 #include "path/mechanism.hpp"
 #include "path/state.hpp"
+#include "path/whole_step.hpp"
 #include "signals/angle_turns.hpp"
 #include "signals/drive_program.hpp"
 #include "signals/output_program.hpp"
@@ -120,6 +121,9 @@ class Tile {
   [[nodiscard]] Status drive_lane(std::size_t lane, double time);
   [[nodiscard]] Status solve(std::span<const double> times, Attempt::Branch branch);
   [[nodiscard]] Status solve_all(std::span<const double> times, Attempt::Branch branch, StepErrors& errors);
+  void predict(double time);
+  void combine() { state_.predict(prediction_, 0, state_.unknowns()); }
+  [[nodiscard]] Attempt usual_attempt(double time, Attempt::Branch branch, double converged) const;
   [[nodiscard]] Status solve_packs(std::span<const double> times, Attempt::Branch branch, double converged,
                                    StepErrors& errors);
   [[nodiscard]] Status check_redundant(std::span<const double> times, Attempt::Branch branch, StepErrors& errors);
@@ -141,6 +145,9 @@ class Tile {
   int lanes_;
   Layout layout_;
   std::size_t at_rest_ = 0;  // the first packs: they are solved again only if no time passes
+  std::unique_ptr<WholeStep> whole_;  // null if there is no such code
+  State::Prediction prediction_;
+  bool is_predicted_ = true;  // false: it is left to whole_
   Driven driven_;
   std::vector<Index> driven_coordinates_;
   std::vector<std::optional<DriveProgram>> drive_;  // lanes

@@ -30,6 +30,7 @@ std::span<const T> share(const std::vector<T>& list, std::size_t part, std::size
 
 void OutputProgram::bind(const System& s, std::span<const std::int32_t> address, const std::vector<Output>& outputs) {
   dimension_ = s.dimension;
+  one_ = address[kOne];
   rows_.clear();
   row_terms_.clear();
   motions_.clear();
@@ -224,24 +225,59 @@ class OutputProgram::Writer {
     if (column >= 0) store(Memory::outputs, idx(column), value);
   }
 
+  // The state, or its changes, by derivative.
+  using Source = std::array<Memory, 3>;
+  static constexpr Source kState = {Memory::state, Memory::state_rates, Memory::state_accelerations};
+  static constexpr Source kChange = {Memory::past, static_cast<Memory>(static_cast<int>(Memory::past) + 1),
+                                     static_cast<Memory>(static_cast<int>(Memory::past) + 2)};
+
   // Every sum begins with it, so that no output is -0.
   [[nodiscard]] Value zero() { return load(Memory::factors, 0); }
   // place: among numbers()
   [[nodiscard]] Value begin(std::size_t place, double offset, std::size_t d) {
     return d > 0 || (!side_by_side_ && offset == 0) ? zero() : number(place, offset);
   }
-  [[nodiscard]] Value add(const Value& sum, std::size_t place, const TermAt& term, std::size_t d) {
-    constexpr Memory kState[] = {Memory::state, Memory::state_rates, Memory::state_accelerations};
+  [[nodiscard]] Value add(const Value& sum, std::size_t place, const TermAt& term, std::size_t d,
+                          const Source& of = kState) {
+    if (term.address == of_.one_) return d > 0 || of == kChange ? sum : sum + number(place, term.factor);
     const Reach reach = side_by_side_ ? Reach::from : Reach::one;
-    return sum + number(place, term.factor) *
-                     graph_.load({kState[d], static_cast<std::uint32_t>(term.address), reach});
+    return sum + number(place, term.factor) * graph_.load({of[d], static_cast<std::uint32_t>(term.address), reach});
   }
-  [[nodiscard]] Value form(std::int32_t form, std::size_t d) {
+  [[nodiscard]] Value form(std::int32_t form, std::size_t d, const Source& of = kState) {
     Value sum = zero();
     for (std::int32_t t = of_.form_start_[idx(form)]; t < of_.form_start_[idx(form) + 1]; ++t) {
-      sum = add(sum, of_.place_of_terms() + idx(t), of_.terms_[idx(t)], d);
+      sum = add(sum, of_.place_of_terms() + idx(t), of_.terms_[idx(t)], d, of);
     }
     return sum;
+  }
+  [[nodiscard]] Value size_of_terms(std::int32_t form, std::size_t d) {
+    Value size = zero();
+    for (std::int32_t t = of_.form_start_[idx(form)]; t < of_.form_start_[idx(form) + 1]; ++t) {
+      size = size + abs(add(zero(), of_.place_of_terms() + idx(t), of_.terms_[idx(t)], d));
+    }
+    return size;
+  }
+  // Calls put(column, sum) for the linear outputs.
+  template <class Put>
+  void each_linear(const Source& source, const Put& put) {
+    for (std::size_t d = 0; d < 3; ++d) {
+      std::size_t place = 1;
+      const auto offset = [&](double of) { return source == kState ? begin(place + 1, of, d) : zero(); };
+      for (const Motion& m : of_.motions_) {
+        put(m.column + static_cast<std::int32_t>(d) * m.step,
+            add(offset(m.offset), place, {m.address, m.factor}, d, source));
+        place += 2;
+      }
+      for (const Line& l : of_.lines_) {
+        put(l.column[d], add(offset(l.offset), place, {l.address, l.factor}, d, source));
+        place += 2;
+      }
+      for (const Sum& sum : of_.sums_) {
+        Value total = zero();
+        for (std::int32_t t = sum.begin; t < sum.end; ++t) total = add(total, place++, of_.sum_terms_[idx(t)], d, source);
+        put(sum.column[d], total);
+      }
+    }
   }
 
  private:
@@ -277,23 +313,7 @@ bool OutputProgram::same_shape(const OutputProgram& o) const {
 
 StepProgram OutputProgram::output_step(Numbers numbers) const {
   Writer to(*this, numbers);
-  for (std::size_t d = 0; d < 3; ++d) {
-    std::size_t place = 1;
-    for (const Motion& m : motions_) {
-      to.put(m.column + static_cast<std::int32_t>(d) * m.step,
-             to.add(to.begin(place + 1, m.offset, d), place, {m.address, m.factor}, d));
-      place += 2;
-    }
-    for (const Line& l : lines_) {
-      to.put(l.column[d], to.add(to.begin(place + 1, l.offset, d), place, {l.address, l.factor}, d));
-      place += 2;
-    }
-    for (const Sum& sum : sums_) {
-      Value total = to.zero();
-      for (std::int32_t t = sum.begin; t < sum.end; ++t) total = to.add(total, place++, sum_terms_[idx(t)], d);
-      to.put(sum.column[d], total);
-    }
-  }
+  to.each_linear(Writer::kState, [&](std::int32_t column, const Value& value) { to.put(column, value); });
   for (std::size_t i = 0; i < parts_.size(); ++i) {
     const Part& p = parts_[i];
     if (!p.is_signed_angle()) continue;
@@ -319,6 +339,35 @@ StepProgram OutputProgram::arm_step(Numbers numbers, std::size_t first_y) const 
     to.store(Memory::work, first_y + i, y);
   }
   return to.finish();
+}
+
+StepProgram OutputProgram::change_step() const {
+  using Number = DualOf<Value>;
+  Writer to(*this, Numbers::loads);
+  to.each_linear(Writer::kChange, [&](std::int32_t column, const Value& value) { to.put(column, value); });
+  std::size_t rounding = 0;
+  for (const Part& p : parts_) {
+    if (!p.is_signed_angle()) continue;
+    const auto [x, y] = arm_by<Jet<Number>>(p, [&](std::int32_t form) {
+      Number of[3];
+      for (std::size_t d = 0; d < 3; ++d) {
+        const Value value = to.form(form, d), size = p.arm >= 0 ? to.size_of_terms(form, d) : value;
+        of[d] = {value, to.form(form, d, Writer::kChange) + to.load(Memory::work, rounding++) * size};
+      }
+      return Jet<Number>{of[0], of[1], of[2]};
+    });
+    const Jet<Number> m = assur::angle_of<Number>({{}, slope_of_angle(y.value, x.value)}, y, x);
+    to.put(p.column[0], m.value.slope);
+    to.put(p.column[1], m.rate.slope);
+    to.put(p.column[2], m.acceleration.slope);
+  }
+  return to.finish();
+}
+
+std::size_t OutputProgram::roundings() const {
+  std::size_t sum = 0;
+  for (const Part& p : parts_) sum += p.is_signed_angle() ? 3 * idx(p.arm >= 0 ? 2 : p.forms_end - p.forms_begin) : 0;
+  return sum;
 }
 
 std::size_t OutputProgram::operations() const {
@@ -463,29 +512,54 @@ void OutputProgram::evaluate_angles(const double* const (&state)[3], double* out
 void OutputProgram::differentiate(const double* const (&state)[3], const double* const (&change)[3], RandomSign* sign,
                                   double* out) const {
   evaluate_linear(change, out, 0, 0, 1);
+  for (const Part& measure : parts_) differentiate(measure, state, change, sign, out, 1);
+  add_up_changes(out);
+}
+
+void OutputProgram::differentiate_others(const double* const (&state)[3], const double* const (&change)[3],
+                                         RandomSign* sign, double* out, std::size_t apart) const {
   for (const Part& measure : parts_) {
-    Jet<double> forms[9], changes[9];
-    evaluate_forms(measure, state, forms);
-    evaluate_forms(measure, change, changes);
-    Jet<Dual> both[9];
-    for (std::size_t f = 0; f < 9; ++f) {
-      const auto with_rounding = [&](double value, double by) {
-        return Dual(value, by + (sign != nullptr ? (*sign)() : 0) * kEps * value);
-      };
-      both[f] = {with_rounding(forms[f].value, changes[f].value), with_rounding(forms[f].rate, changes[f].rate),
-                 with_rounding(forms[f].acceleration, changes[f].acceleration)};
-    }
-    const Jet<Dual> m = evaluate_measure<Dual>(measure.kind, {both, 9}, dimension_);
-    double slope[3] = {m.value.slope, m.rate.slope, m.acceleration.slope};
-    if (slope[0] == 0 && !(divisor_of<double>(measure.kind, {forms, 9}, dimension_) > 0)) {  // at a kink
-      for (std::size_t f = 0; f < 9; ++f) forms[f].value += both[f].value.slope;
-      slope[0] = evaluate_measure<double>(measure.kind, {forms, 9}, dimension_).value - m.value.value;
-    }
-    for (std::size_t d = 0; d < 3; ++d) {
-      if (measure.column[d] >= 0) out[measure.column[d]] = slope[d] * measure.unit;
-    }
+    if (!measure.is_signed_angle()) differentiate(measure, state, change, sign, out, apart);
   }
-  add_up(out, 0);
+}
+
+void OutputProgram::differentiate(const Part& measure, const double* const (&state)[3],
+                                  const double* const (&change)[3], RandomSign* sign, double* out,
+                                  std::size_t apart) const {
+  const auto rounding = [&] { return sign != nullptr ? (*sign)() * kEps : 0; };
+  const auto with_rounding = [&](const Jet<double>& value, const Jet<double>& by, const Jet<double>& size) {
+    return Jet<Dual>{{value.value, by.value + rounding() * size.value},
+                     {value.rate, by.rate + rounding() * size.rate},
+                     {value.acceleration, by.acceleration + rounding() * size.acceleration}};
+  };
+  if (measure.arm >= 0) {
+    const auto [x, y] = arm_by<Jet<Dual>>(measure, [&](std::int32_t form) {
+      return with_rounding(jet_of(form, state), jet_of(form, change), size_of_terms(form, state));
+    });
+    const Jet<Dual> m = atan2(y, x);
+    return put(measure, {m.value.slope, m.rate.slope, m.acceleration.slope}, out, apart);
+  }
+  Jet<double> forms[9], changes[9];
+  evaluate_forms(measure, state, forms);
+  evaluate_forms(measure, change, changes);
+  Jet<Dual> both[9];
+  for (std::size_t f = 0; f < 9; ++f) both[f] = with_rounding(forms[f], changes[f], forms[f]);
+  const Jet<Dual> m = evaluate_measure<Dual>(measure.kind, {both, 9}, dimension_);
+  Jet<double> slope{m.value.slope, m.rate.slope, m.acceleration.slope};
+  if (slope.value == 0 && !(divisor_of<double>(measure.kind, {forms, 9}, dimension_) > 0)) {  // at a kink
+    for (std::size_t f = 0; f < 9; ++f) forms[f].value += both[f].value.slope;
+    slope.value = evaluate_measure<double>(measure.kind, {forms, 9}, dimension_).value - m.value.value;
+  }
+  put(measure, slope, out, apart);
+}
+
+Jet<double> OutputProgram::size_of_terms(std::int32_t form, const double* const (&state)[3]) const {
+  Jet<double> size;
+  for (const TermAt& t : terms_of(form)) {
+    size += Jet<double>{std::abs(t.factor * state[0][t.address]), std::abs(t.factor * state[1][t.address]),
+                        std::abs(t.factor * state[2][t.address])};
+  }
+  return size;
 }
 
 // constant: factor of the constants.

@@ -153,6 +153,10 @@ class OutputProgram {
   [[nodiscard]] StepProgram output_step(Numbers numbers) const;
   // Each of angles() is atan2(y, x): writes x to a row of Memory::work, and y to a row from first_y on.
   [[nodiscard]] StepProgram arm_step(Numbers numbers, std::size_t first_y) const;
+  // differentiate() without differentiate_others(), for mechanisms side by side: Memory::past has the changes of the
+  // state, by derivative, and Memory::work roundings() of signed angles, relative to what is rounded.
+  [[nodiscard]] StepProgram change_step() const;
+  [[nodiscard]] std::size_t roundings() const;
   // Number of instructions of output_step(), about.
   [[nodiscard]] std::size_t operations() const;
   // Size of the terms of x and y: their rounding errors are relative to it.
@@ -179,6 +183,11 @@ class OutputProgram {
   // measures. Not finite if a measure has a kink.
   void differentiate(const double* const (&state)[3], const double* const (&change)[3], RandomSign* sign,
                      double* out) const;
+  // The part that change_step() leaves out. out: its numbers are `apart` from each other
+  void differentiate_others(const double* const (&state)[3], const double* const (&change)[3], RandomSign* sign,
+                            double* out, std::size_t apart) const;
+  // Adds up the changes of sums, as add_up().
+  void add_up_changes(double* out) const { add_up(out, 0); }
 
  private:
   struct TermAt {
@@ -235,6 +244,7 @@ class OutputProgram {
                        std::size_t parts) const;
   void evaluate_forms(const Part& measure, const double* const (&state)[3], Jet<double> (&forms)[9]) const;
   [[nodiscard]] Jet<double> jet_of(std::int32_t form, const double* const (&state)[3]) const;
+  [[nodiscard]] Jet<double> size_of_terms(std::int32_t form, const double* const (&state)[3]) const;
   void evaluate_angles(const double* const (&state)[3], double* out, const double* turns, double* divisors,
                        std::span<const Part> among) const;
   // The arm of a signed angle. of(form): the form, a number or a jet
@@ -248,6 +258,8 @@ class OutputProgram {
   static void put(const Part& measure, const Jet<double>& m, double* out, std::size_t apart = 1);
   void evaluate_others(const double* const (&state)[3], double* out, double* divisors, std::size_t apart,
                        std::span<const Part> among) const;
+  void differentiate(const Part& measure, const double* const (&state)[3], const double* const (&change)[3],
+                     RandomSign* sign, double* out, std::size_t apart) const;
   [[nodiscard]] std::span<const TermAt> terms_of(std::int32_t form) const {
     const auto f = static_cast<std::size_t>(form);
     return {terms_.data() + form_start_[f], terms_.data() + form_start_[f + 1]};
@@ -281,6 +293,7 @@ class OutputProgram {
   EvaluateForms evaluate_rows_ = assur::evaluate_forms();
   int dimension_ = 2;
   std::size_t columns_ = 0;
+  std::int32_t one_ = 0;  // address of the constant 1
   std::vector<Total> totals_;
   std::vector<TotalTerm> total_terms_;
   std::vector<FormRow> rows_;

@@ -1,6 +1,7 @@
 #include "signals/output_steps.hpp"
 
 #include "index.hpp"
+#include "numbers.hpp"
 #include "signals/angle_kernels.hpp"
 
 namespace assur {
@@ -63,7 +64,7 @@ bool OutputSteps::arms(const double* q, double* vectors) const {
 }
 
 void OutputSteps::evaluate(const double* const (&state)[3], double* out, const double* turns, double* divisors) {
-  if (!values_ || !is_alike_) return evaluate_one_by_one(state, out, turns, divisors);
+  if (!by_program()) return evaluate_one_by_one(state, out, turns, divisors);
   auto all = memory(state[0]);
   const auto give = [&](Memory m, const double* at) { all[static_cast<std::size_t>(m)] = const_cast<double*>(at); };
   give(Memory::state_rates, state[1]);
@@ -75,6 +76,40 @@ void OutputSteps::evaluate(const double* const (&state)[3], double* out, const d
   for (std::size_t lane = 0; lane < used_; ++lane) {
     outputs_[lane].evaluate_others({state[0] + lane, state[1] + lane, state[2] + lane}, out + lane, divisors + lane,
                                    outputs_.size());
+  }
+}
+
+// By a list of operations: it runs a few times in a run, and machine code for it takes longer to write than that.
+void OutputSteps::differentiate(const double* const (&state)[3], const double* const (&change)[3], RandomSign* sign,
+                                double* out) {
+  const std::size_t w = outputs_.size();
+  if (by_program()) {
+    if (!changes_) {
+      changes_ = make_interpreter(outputs_[0].change_step(), static_cast<int>(w));
+      roundings_.resize(outputs_[0].roundings() * w);
+    }
+    for (double& rounding : roundings_) rounding = sign != nullptr ? (*sign)() * kEps : 0;
+    auto all = memory(state[0]);
+    const auto give = [&](Memory m, const double* at) { all[static_cast<std::size_t>(m)] = const_cast<double*>(at); };
+    give(Memory::state_rates, state[1]);
+    give(Memory::state_accelerations, state[2]);
+    for (std::size_t d = 0; d < 3; ++d) all[static_cast<std::size_t>(Memory::past) + d] = const_cast<double*>(change[d]);
+    give(Memory::work, roundings_.data());
+    give(Memory::outputs, out);
+    changes_->run(all);
+  }
+  for (std::size_t lane = 0; lane < used_; ++lane) {
+    const OutputProgram& one = outputs_[lane];
+    const double* const at[3] = {state[0] + lane, state[1] + lane, state[2] + lane};
+    const double* const by[3] = {change[0] + lane, change[1] + lane, change[2] + lane};
+    if (by_program()) {
+      one.differentiate_others(at, by, sign, out + lane, w);
+      for (std::size_t c = 0; c < row_.size(); ++c) row_[c] = out[c * w + lane];
+      one.add_up_changes(row_.data());
+    } else {
+      one.differentiate(at, by, sign, row_.data());
+    }
+    for (std::size_t c = 0; c < row_.size(); ++c) out[c * w + lane] = row_[c];
   }
 }
 

@@ -32,17 +32,23 @@ class OutputSteps {
   // Like OutputProgram::evaluate() for all lanes: turns, out and divisors are angles x W, columns x W, measures x W.
   void evaluate(const double* const (&state)[3], double* out, const double* turns, double* divisors);
 
+  // Like OutputProgram::differentiate() for all lanes. state, change: with all lanes; out: columns x W
+  void differentiate(const double* const (&state)[3], const double* const (&change)[3], RandomSign* sign, double* out);
+
  private:
   using Numbers = OutputProgram::Numbers;
   explicit OutputSteps(const OutputProgram& outputs) : outputs_(&outputs, 1) {}
   template <class Make>
   void make(Numbers numbers, const Make& executor);
   [[nodiscard]] std::array<double*, kMemories> memory(const double* q) const;
+  [[nodiscard]] bool by_program() const { return values_ && is_alike_; }
   void evaluate_one_by_one(const double* const (&state)[3], double* out, const double* turns, double* divisors);
 
   std::span<const OutputProgram> outputs_;
   std::size_t used_ = 1;
   std::shared_ptr<const Executor> values_, arms_;  // null: they have nothing to do, or too much
+  std::unique_ptr<const Executor> changes_;        // null: it was not needed yet
+  LaneArray roundings_;                            // x W
   bool is_alike_ = true;                           // the programs of all lanes have one shape
   LaneArray numbers_;                              // x W
   std::vector<double> row_, turns_, divisors_;     // of one lane
