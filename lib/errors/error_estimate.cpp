@@ -40,6 +40,7 @@ ErrorEstimate::ErrorEstimate(const Structure& structure, Layout& layout, std::sp
     : layout_(layout),
       static_(*structure.system, structure),
       outputs_(outputs),
+      kernels_(pack_kernels(static_cast<int>(outputs.size()))),
       asked_(accuracy > 0 ? accuracy : kDoubtfulError),
       best_(accuracy > 0 ? kConverged : 0) {
   const System& system = *structure.system;
@@ -126,10 +127,13 @@ void ErrorEstimate::restart(std::span<const System* const> systems, std::span<co
   }
   const std::size_t w = mechanisms_.size(), divisors = outputs_[0].measures() * w;
   watched_.smallest.assign(divisors, kInfinity);
-  watched_.least.assign(divisors, 0.0);
+  watched_.least.assign(divisors, -kInfinity);
   watched_.most.assign(divisors, kInfinity);
-  watched_.rate.assign(driven_.size() * w, 0.0);
-  watched_.acceleration.assign(driven_.size() * w, 0.0);
+  watched_.rate.assign(driven_.size() * w, kInfinity);
+  watched_.acceleration = watched_.rate;
+  for (std::size_t i = 0; i < watched_.rate.size(); ++i) {
+    if (i % w < used_) watched_.rate[i] = watched_.acceleration[i] = 0;
+  }
   residual_ = kUsual;
   steps_ = branch_checks_ = measurements_ = 0;
   seed_ = 0;
@@ -552,28 +556,16 @@ void ErrorEstimate::watch_divisors(std::size_t mechanism, const double* divisors
 }
 
 bool ErrorEstimate::serves(const double* divisors) const {
-  const double *const least = watched_.least.data(), *const most = watched_.most.data();
-  const std::size_t w = mechanisms_.size(), count = watched_.least.size();
-  bool serves = true;
-  for (std::size_t i = 0; i < count; i += w) {
-    for (std::size_t k = i; k < i + used_; ++k) serves &= divisors[k] >= least[k] && divisors[k] <= most[k];
-  }
-  return serves;
+  const auto rows = static_cast<std::int32_t>(watched_.least.size() / mechanisms_.size());
+  return kernels_.between(divisors, rows, watched_.least.data(), watched_.most.data());
 }
 
 // A measurement at rest, or at low speed, underestimates the errors of velocities and accelerations.
 bool ErrorEstimate::is_faster(const double* const (&state)[3]) const {
   if (!wanted_[1] && !wanted_[2]) return false;
-  const double *rate = watched_.rate.data(), *acceleration = watched_.acceleration.data();
-  bool faster = false;
-  for (const std::int32_t a : driven_) {
-    for (std::size_t i = 0; i < used_; ++i) {
-      faster |= std::abs(state[1][idx(a) + i]) > rate[i] || std::abs(state[2][idx(a) + i]) > acceleration[i];
-    }
-    rate += mechanisms_.size();
-    acceleration += mechanisms_.size();
-  }
-  return faster;
+  const auto rows = static_cast<std::int32_t>(driven_.size());
+  return !(kernels_.at_most(state[1], driven_.data(), rows, watched_.rate.data()) &&
+           kernels_.at_most(state[2], driven_.data(), rows, watched_.acceleration.data()));
 }
 
 // For steps without a measurement, takes the largest error that their residual allows.

@@ -15,6 +15,7 @@
 
 #include "assur/report.hpp"
 #include "errors/static_errors.hpp"
+#include "group/pack_kernels.hpp"
 #include "path/layout.hpp"
 #include "path/levels.hpp"
 #include "signals/inputs.hpp"
@@ -193,6 +194,7 @@ class ErrorEstimate {
   Layout& layout_;
   StaticErrors static_;
   std::span<const OutputProgram> outputs_;
+  const PackKernels& kernels_;
   double asked_, best_;
   std::vector<std::int32_t> driven_;           // addresses of driven coordinates
   std::vector<std::int32_t> size_of_;          // columns: 3 * output + derivative

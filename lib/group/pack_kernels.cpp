@@ -50,6 +50,26 @@ struct Kernels {
     for (std::int32_t i = 0; i < rows; ++i) out[i] = L::load(numbers + i * W).largest();
   }
 
+  static bool between(const double* numbers, std::int32_t rows, const double* least, const double* most) {
+    const L none = L::set(0), one = L::set(1);
+    L outside = none;
+    for (std::int32_t i = 0; i < rows; ++i) {
+      const L x = L::load(numbers + i * W);
+      const L below = if_at_most(L::load(least + i * W), x, outside, one);
+      outside = if_at_most(x, L::load(most + i * W), below, one);
+    }
+    return all_at_most(outside, none);
+  }
+
+  static bool at_most(const double* numbers, const std::int32_t* addresses, std::int32_t rows, const double* most) {
+    const L none = L::set(0), one = L::set(1);
+    L outside = none;
+    for (std::int32_t i = 0; i < rows; ++i) {
+      outside = if_at_most(abs(L::load(numbers + addresses[i])), L::load(most + i * W), outside, one);
+    }
+    return all_at_most(outside, none);
+  }
+
   static void invert_scale(double* scale, std::int32_t count) {
     const L one = L::set(1);
     for (std::int32_t i = 0; i < count; ++i, scale += W)
@@ -134,6 +154,8 @@ constexpr PackKernels kTable = {combine,
                                 Kernels<W>::gather,
                                 Kernels<W>::gather_all,
                                 Kernels<W>::row_maxima,
+                                Kernels<W>::between,
+                                Kernels<W>::at_most,
                                 Kernels<W>::invert_scale,
                                 Kernels<W>::largest_ratios,
                                 Kernels<W>::correct,

@@ -32,6 +32,12 @@ struct PackKernels {
   // out[i]: the largest number of row i
   void (*row_maxima)(const double* numbers, std::int32_t rows, double* out);
 
+  // True if every number lies between those in its place of `least` and `most`; false for NaN.
+  bool (*between)(const double* numbers, std::int32_t rows, const double* least, const double* most);
+
+  // True if the size of every number in the rows from these addresses on is at most that in its place of `most`.
+  bool (*at_most)(const double* numbers, const std::int32_t* addresses, std::int32_t rows, const double* most);
+
   // Replaces each scale by 1 / scale, or by 1 if it is not positive or NaN.
   void (*invert_scale)(double* scale, std::int32_t count);
 

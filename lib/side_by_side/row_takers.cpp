@@ -40,6 +40,9 @@ void RowSummary::take(double time, const double* row) {
       s = {value, value, time, time, value, value};
       continue;
     }
+    s.mean += value;
+    s.last = value;
+    if (value >= s.minimum && value <= s.maximum) continue;
     // NaN is kept, and nothing is smaller or larger.
     if (value < s.minimum || (std::isnan(value) && !std::isnan(s.minimum))) {
       s.minimum = value;
@@ -49,8 +52,6 @@ void RowSummary::take(double time, const double* row) {
       s.maximum = value;
       s.maximum_time = time;
     }
-    s.mean += value;
-    s.last = value;
   }
   ++rows_;
 }

@@ -334,7 +334,6 @@ void Tile::measure_bows(std::span<const double> times) {
   for (std::size_t lane = 0; lane < variants_.size(); ++lane) drive_[lane]->evaluate(now_[lane]);
   const auto lean = [&](std::size_t lane, double* probe, std::span<const double> rates) {
     if (lane >= variants_.size()) return;
-    std::fill_n(known_[1].begin(), known, 0.0);
     drive_[lane]->move(rates);
     drive_[lane]->place({known_[0].data() + lane, known_[1].data() + lane, known_[2].data() + lane}, w);
     for (const Index c : driven_coordinates_) {

@@ -52,9 +52,9 @@ AngleTurns::Followed AngleTurns::follow(const double* q, double seconds, std::sp
   find_arms(q, next_);
   const std::size_t w = outputs_.size();
   const bool bends = std::any_of(times.begin(), times.end(), [](double t) { return t != 0; });
-  for (std::size_t i = 0; i < count_ && bends; ++i) {
-    const double t = times[i % w];
-    bends_[i] = t == 0 ? 0 : t * t * bows_[i];
+  for (std::size_t lane = 0; lane < w && bends; ++lane) {
+    const double t = times[lane];
+    for (std::size_t i = lane; i < count_; i += w) bends_[i] = t == 0 ? 0 : t * t * bows_[i];
   }
   const Arms from = arms(now_), to = arms(next_);
   if (angle_kernels().follow(count_, from, to, seconds, bends ? bends_.data() : nothing_.data(), strays_.data())) {

@@ -1,6 +1,7 @@
 // Evaluates outputs and measures of a state: forms over addresses, then jets.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -170,9 +171,12 @@ class OutputProgram {
   // the columns, for one of several threads.
   void evaluate(const double* const (&state)[3], double* out, const double* turns, double* divisors,
                 std::size_t part = 0, std::size_t parts = 1) const;
-  // The rest of evaluate(), which output_step() leaves out. out and divisors: their numbers are `apart` from each other.
+  // The rest of evaluate(), which output_step() leaves out, if there is any. out and divisors: their numbers are `apart` from each other.
   void evaluate_others(const double* const (&state)[3], double* out, double* divisors, std::size_t apart = 1) const {
     evaluate_others(state, out, divisors, apart, parts_);
+  }
+  [[nodiscard]] bool has_others() const {
+    return std::any_of(parts_.begin(), parts_.end(), [](const Part& p) { return !p.is_signed_angle(); });
   }
   // Adds up sums of measures from columns of the same row. To be called after evaluate(), with whole turns added.
   void add_up(double* out) const { add_up(out, 1); }

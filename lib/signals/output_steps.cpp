@@ -10,6 +10,7 @@ template <class Make>
 void OutputSteps::make(Numbers numbers, const Make& executor) {
   const OutputProgram& first = outputs_[0];
   const std::size_t w = outputs_.size(), angles = first.angles().size();
+  has_others_ = first.has_others();
   if (first.operations() == 0 || first.operations() > kMostInstructions) return;
   values_ = executor(first.output_step(numbers));
   if (angles > 0) arms_ = executor(first.arm_step(numbers, padded(angles * w) / w));
@@ -73,7 +74,7 @@ void OutputSteps::evaluate(const double* const (&state)[3], double* out, const d
   give(Memory::figures, divisors);
   give(Memory::outputs, out);
   values_->run(all);
-  for (std::size_t lane = 0; lane < used_; ++lane) {
+  for (std::size_t lane = 0; lane < used_ && has_others_; ++lane) {
     outputs_[lane].evaluate_others({state[0] + lane, state[1] + lane, state[2] + lane}, out + lane, divisors + lane,
                                    outputs_.size());
   }

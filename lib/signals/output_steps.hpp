@@ -49,6 +49,7 @@ class OutputSteps {
   std::shared_ptr<const Executor> values_, arms_;  // null: they have nothing to do, or too much
   std::unique_ptr<const Executor> changes_;        // null: it was not needed yet
   LaneArray roundings_;                            // x W
+  bool has_others_ = true;                         // measures that are not in the programs
   bool is_alike_ = true;                           // the programs of all lanes have one shape
   LaneArray numbers_;                              // x W
   std::vector<double> row_, turns_, divisors_;     // of one lane
