@@ -273,6 +273,7 @@ Status Tile::solve(std::span<const double> times, Attempt::Branch branch) {
 }
 
 Status Tile::solve_all(std::span<const double> times, Attempt::Branch branch, StepErrors& errors) {
+  bool whole = !std::exchange(is_predicted_, true);
   if (const Status s = drive(times); !s.ok()) return s;
   const bool inside = branch == Attempt::Branch::inside;
   if (inside) {
@@ -285,7 +286,6 @@ Status Tile::solve_all(std::span<const double> times, Attempt::Branch branch, St
   double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
   const double converged = inside ? converged_ : kConverged;
   const Attempt attempt = usual_attempt(times[0], branch, converged);
-  bool whole = !std::exchange(is_predicted_, true);
   if (whole && !whole_->run(q, prediction_, attempt)) {
     whole = false;
     combine();
