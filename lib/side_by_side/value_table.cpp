@@ -16,6 +16,7 @@
 #include "scene/own_values.hpp"
 #include "scene/residual_scale.hpp"
 #include "scene/scene_source.hpp"
+#include "side_by_side/close_in_lanes.hpp"
 #include "side_by_side/walk_in_lanes.hpp"
 #include "structure/assembly.hpp"
 #include "structure/directions.hpp"
@@ -84,7 +85,12 @@ class ValueTable::Binder : public MemberBinder {
     parameters_.resize(lanes * table.varying_.size());
     pointers_.resize(lanes);
     for (std::size_t l = 0; l < lanes; ++l) pointers_[l] = parameters_.data() + l * table.varying_.size();
-    if (table.assembly_) assembly_.emplace(*table.assembly_);
+    if (!table.assembly_) return;
+    assembly_.emplace(*table.assembly_);
+    if (!structure.static_coordinates.empty()) return;
+    strays_.resize(structure.system->coordinates.size());
+    closing_ = CloseInLanes::make(assembly_->system, table.assembly_->parts, structure.start, static_cast<int>(lanes),
+                                  nullptr);
   }
 
   void bind(std::span<const std::size_t> members, std::span<const Variant*> variants) override {
@@ -94,15 +100,16 @@ class ValueTable::Binder : public MemberBinder {
       for (std::size_t k = 0; k < table_.varying_.size(); ++k) to[k] = row[table_.varying_[k]];
     }
     replay_.run(std::span(pointers_).first(members.size()));
-    std::vector<std::size_t> walkers;
+    std::vector<std::size_t> open;
     for (std::size_t l = 0; l < members.size(); ++l) {
       variants[l] = nullptr;
       if (!replay_.holds(l) || !table_.has_constants(members[l])) continue;
       lanes_[l].set(replay_, l, *this);
       variants[l] = &lanes_[l].variant;
-      if (!starts_as_written(lanes_[l])) walkers.push_back(l);
+      if (!starts_as_written(lanes_[l])) open.push_back(l);
     }
-    for (const std::size_t l : walk_together(walkers)) {
+    if (closing_ && !open.empty()) open = close_together(open);
+    for (const std::size_t l : walk_together(open)) {
       if (!assemble(l)) variants[l] = nullptr;
     }
   }
@@ -114,7 +121,7 @@ class ValueTable::Binder : public MemberBinder {
     Walker w;
     if (!place_as_written(s, i, w) || !close(s, parts, w.q)) return false;
     if (w.moves && walk(s, parts, w.way, w.q).end != Walked::End::arrived) return false;
-    return arrive(s, w, true);
+    return arrive(s, w, Arrival::alone);
   }
 
   [[nodiscard]] bool is_start(const Variant& guess, std::span<const double> posture) const override {
@@ -212,24 +219,62 @@ class ValueTable::Binder : public MemberBinder {
     return true;
   }
 
+  // How a member came to the end of its way.
+  enum class Arrival : std::uint8_t {
+    alone,     // it walked alone
+    together,  // it walked beside others
+    closed,    // beside others, too, but in steps that do not depend on them
+  };
   // Gives the lane the posture at the end of its way. False if that is not the start that prepare() would find, because
   // drivers have not the values of their laws; or if it must walk alone to be rounded as it always is (kGrain).
-  [[nodiscard]] bool arrive(const System& s, Walker& w, bool was_alone) {
+  [[nodiscard]] bool arrive(const System& s, Walker& w, Arrival how) {
     for (const WalkedPart& p : table_.assembly_->parts) {
       for (const Index u : p.unknowns) w.at_laws[idx(u)] = w.q[idx(u)];
     }
     const std::vector<double>& q = w.at_laws;
     const auto is_wrong = [&](const DriverInput& in) { return mismatch(s, in, q).has_value(); };
-    if (!undefined_driver(s, q).empty() || std::any_of(s.inputs.begin(), s.inputs.end(), is_wrong)) return false;
+    const auto is_positive = [&](const Positive& p) { return q[idx(p.coordinate)] > 0; };
+    if (!undefined_driver(s, q).empty() || std::any_of(s.inputs.begin(), s.inputs.end(), is_wrong) ||
+        !std::all_of(s.positive.begin(), s.positive.end(), is_positive)) {
+      return false;
+    }
     std::vector<double>& posture = lanes_[w.lane].variant.posture;
     const bool rests = !table_.structure_->static_coordinates.empty();  // what they read is not solved again
     for (const Index c : near_) {
       const double grains = q[idx(c)] / kGrain, from_border = std::abs(grains - std::floor(grains) - 0.5) * kGrain;
-      if (!was_alone && !(from_border > kBlurred)) return false;
-      posture[idx(c)] = rests ? q[idx(c)] : std::round(grains) * kGrain;
+      if (how == Arrival::together && !(from_border > kBlurred)) return false;
+      posture[idx(c)] = rests || how == Arrival::closed ? q[idx(c)] : std::round(grains) * kGrain;
     }
     for (const Index c : table_.structure_->static_coordinates) posture[idx(c)] = q[idx(c)];
     return true;
+  }
+
+  // Assembles those members side by side that two steps bring to their start: one closes the drawing, one moves the
+  // drivers. Returns the others.
+  std::vector<std::size_t> close_together(const std::vector<std::size_t>& lanes) {
+    std::vector<std::size_t> others;
+    std::vector<Walker> closed;
+    for (const std::size_t l : lanes) {
+      const System& s = numbers_of(l);
+      Walker w;
+      if (!place_as_written(s, l, w)) {
+        others.push_back(l);
+        continue;
+      }
+      closing_->set(l, s, w.q);
+      if (w.moves) {
+        set_strays(s, w.way, 1, strays_);
+        closing_->move(l, w.at_laws, strays_);
+      }
+      closed.push_back(std::move(w));
+    }
+    if (closed.empty()) return others;
+    closing_->run();
+    for (Walker& w : closed) {
+      for (std::size_t c = 0; c < w.q.size(); ++c) w.q[c] = closing_->at(c, w.lane);
+      if (!closing_->has_arrived(w.lane) || !arrive(numbers_of(w.lane), w, Arrival::closed)) others.push_back(w.lane);
+    }
+    return others;
   }
 
   // Assembles those members side by side that can be; returns the others.
@@ -269,7 +314,7 @@ class ValueTable::Binder : public MemberBinder {
     std::vector<Walker> moving;
     in_lanes_->clear();
     const auto end = [&](Walker& w) {
-      if (!arrive(numbers_of(w.lane), w, false)) others.push_back(w.lane);
+      if (!arrive(numbers_of(w.lane), w, Arrival::together)) others.push_back(w.lane);
     };
     for (Walker& w : closed) {
       if (w.moves) {
@@ -336,6 +381,8 @@ class ValueTable::Binder : public MemberBinder {
   std::vector<Index> from_guess_;    // coordinates that begin at their guess
   std::vector<Index> static_equations_;
   std::optional<OneMember> assembly_;
+  std::unique_ptr<CloseInLanes> closing_;  // null: drawings are closed by walks only
+  std::vector<double> strays_;             // coordinates
   std::optional<WalkInLanes> in_lanes_;
   std::vector<Lane> lanes_;
   std::vector<double> parameters_;       // lanes x varying columns

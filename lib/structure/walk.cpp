@@ -213,29 +213,6 @@ class Walk {
         q.data(), rate, nullptr);
   }
 
-  // How far the known coordinates leave their chords in a step of this length: h^2 / 8 times the second derivative.
-  void set_off(double h) {
-    for (std::size_t i = 0; i < s_.inputs.size(); ++i) {
-      const DriverInput& in = s_.inputs[i];
-      double turn = 0;
-      for (std::size_t k = 0; k < way_.change[i].size(); ++k) {
-        if (is_angle(s_, in, k)) turn += std::abs(h * way_.change[i][k]);
-      }
-      const double off = std::min(2.0, turn * turn / 8);  // of cosines, and of the axes of a frame
-      for (Index c = 0; c < in.count; ++c) {
-        const bool turns =
-            in.kind == DriverInput::Kind::direction || (in.kind == DriverInput::Kind::frame && c >= s_.dimension);
-        off_[idx(in.first + c)] = turns ? off : 0;
-      }
-    }
-    for (const Index i : driven_.assignments) {
-      const Assignment& a = s_.assignments[idx(i)];
-      double sum = 0;
-      for (const Term& t : s_.form(a.form)) sum += std::abs(s_.constants[idx(t.constant)]) * off_[idx(t.coordinate)];
-      off_[idx(a.coordinate)] = sum;
-    }
-  }
-
   [[nodiscard]] DenseBlock block(const WalkedPart& p) { return {s_, p.equations, p.unknowns, column_}; }
 
   // Residuals that must vanish at s.
@@ -328,7 +305,7 @@ class Walk {
     to.q = from.q;
     to.rate.assign(from.q.size(), 0);
     drive_at(target, to.q, to.rate.data());
-    set_off(h);
+    set_strays(s_, way_, h, off_);
     double most = 0;
     for (failed_ = 0; failed_ < parts_.size(); ++failed_) {
       if (is_left_[failed_] != 0) continue;
@@ -565,7 +542,7 @@ class Walk {
         correction = std::max(correction, std::abs(next.q[idx(u)] - predicted[idx(u)]));
       }
       corrected = std::max(corrected, correction);
-      set_off(0);
+      set_strays(s_, way_, 0, off_);
       (void)test(p, next, next);
       if (!(correction * curvature_ <= kInBall)) return false;
     }
@@ -590,6 +567,27 @@ class Walk {
 };
 
 }  // namespace
+
+void set_strays(const System& s, const Way& way, double share, std::vector<double>& off) {
+  for (std::size_t i = 0; i < s.inputs.size(); ++i) {
+    const DriverInput& in = s.inputs[i];
+    double turn = 0;
+    for (std::size_t k = 0; k < way.change[i].size(); ++k) {
+      if (is_angle(s, in, static_cast<int>(k))) turn += std::abs(share * way.change[i][k]);
+    }
+    const double most = std::min(2.0, turn * turn / 8);  // of cosines, and of the axes of a frame
+    for (Index c = 0; c < in.count; ++c) {
+      const bool turns =
+          in.kind == DriverInput::Kind::direction || (in.kind == DriverInput::Kind::frame && c >= s.dimension);
+      off[idx(in.first + c)] = turns ? most : 0;
+    }
+  }
+  for (const Assignment& a : s.assignments) {
+    double sum = 0;
+    for (const Term& t : s.form(a.form)) sum += std::abs(s.constants[idx(t.constant)]) * off[idx(t.coordinate)];
+    off[idx(a.coordinate)] = sum;
+  }
+}
 
 Walked walk(const System& system, const std::vector<WalkedPart>& parts, const Way& way, std::vector<double>& q) {
   return Walk(system, parts, way).run(q);

@@ -25,6 +25,10 @@ struct Way {
   bool passes = true;         // false: a change point ends the walk
 };
 
+// How far the known coordinates may leave their chords while the drivers go this share of the way: h^2 / 8 times the
+// second derivative. off: coordinates, of which those of inputs and assignments are set.
+void set_strays(const System& system, const Way& way, double share, std::vector<double>& off);
+
 // The end of a walk.
 struct Walked {
   enum class End : std::uint8_t {

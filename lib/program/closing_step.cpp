@@ -1,0 +1,227 @@
+#include "program/closing_step.hpp"
+
+#include <cstdint>
+#include <vector>
+
+#include "equations/quadratic_equations-inl.hpp"
+#include "index.hpp"
+#include "numbers.hpp"
+#include "program/graph.hpp"
+#include "program/linear_steps.hpp"
+
+namespace assur {
+namespace {
+
+// As in structure/walk.cpp.
+constexpr int kMostCorrections = 10;
+constexpr double kCorrected = 1e-10;      // internal units; Newton's next correction is far below rounding
+constexpr double kRoundingOnly = 1e-6;    // corrections below this that no longer fall are rounding
+constexpr double kSurest = 0.8;           // of the bound of the test
+
+class Writer {
+  using Equations = HWY_NAMESPACE::QuadraticEquations<Value>;
+  using Values = std::vector<Value>;
+  using Registers = Values;
+
+ public:
+  Writer(const Program& equations, const lanes::Elimination& elimination)
+      : p_(equations), n_(idx(equations.n)), linear_(p_.pattern, elimination) {}
+
+  [[nodiscard]] StepProgram write() {
+    StepProgram out;
+    const auto add = [&] {
+      out.phases.push_back(graph_.phase());
+      graph_ = {};
+    };
+    begin();
+    add();
+    correct();
+    add();
+    out.phases.back().repeat_while = slot(Memory::work, n_ + kActive);
+    test();
+    add();
+    return out;
+  }
+
+ private:
+  // Behind the unknowns in Memory::work.
+  enum Number : std::size_t { kActive, kFailed, kLast, kCorrections };
+
+  [[nodiscard]] static Slot slot(Memory memory, std::size_t i) { return {memory, static_cast<std::uint32_t>(i)}; }
+  [[nodiscard]] Value load(Memory memory, std::size_t i) { return graph_.load(slot(memory, i)); }
+  [[nodiscard]] Value work(Number n) { return load(Memory::work, n_ + n); }
+  void keep(Number n, const Value& value) { graph_.store(slot(Memory::work, n_ + n), value); }
+  [[nodiscard]] auto coefficients() {
+    return [this](std::int32_t k) { return coefficient(k); };
+  }
+  [[nodiscard]] Value coefficient(std::int32_t k) { return GroupSlots(graph_, p_, std::uint16_t{0}).coefficient(k); }
+
+  // A posture: of unknowns and inputs.
+  struct Posture {
+    Values unknowns, inputs;
+  };
+  [[nodiscard]] Posture posture(Memory unknowns, Memory inputs) {
+    Posture out;
+    for (std::size_t j = 0; j < n_; ++j) out.unknowns.push_back(load(unknowns, j));
+    for (std::size_t i = 0; i < idx(p_.inputs); ++i) out.inputs.push_back(load(inputs, i));
+    return out;
+  }
+  [[nodiscard]] Posture drawing() { return posture(ClosingSlots::drawn, ClosingSlots::drawn_inputs); }
+  [[nodiscard]] Posture here() { return posture(Memory::work, ClosingSlots::inputs); }
+
+  // Residuals at a posture.
+  [[nodiscard]] Values residuals(Equations& equations, const Posture& at) {
+    equations.set_inputs(coefficients(), [&](std::int32_t i) { return at.inputs[idx(i)]; });
+    for (std::size_t j = 0; j < n_; ++j) equations.values().set(j, at.unknowns[j]);
+    Values phi(n_);
+    equations.evaluate(coefficients(), [&](std::size_t i, const Value& x) { phi[i] = x; });
+    return phi;
+  }
+  [[nodiscard]] Values jacobian(Equations& equations) {
+    Values out(idx(p_.pattern.nnz()));
+    equations.differentiate(coefficients(), [&](std::size_t k, const Value& x) { out[k] = x; });
+    return out;
+  }
+
+  void begin() {
+    for (std::size_t j = 0; j < n_; ++j) graph_.store(slot(Memory::work, j), load(ClosingSlots::drawn, j));
+    keep(kActive, kAll);
+    keep(kFailed, kNone);
+    keep(kLast, Value::set(kInfinity));
+    keep(kCorrections, kNone);
+  }
+
+  // One of Newton's corrections, in lanes that are active.
+  void correct() {
+    Equations equations(p_);
+    const Posture at = here();
+    const Values phi = residuals(equations, at), matrix = jacobian(equations);
+    const Value active = work(kActive);
+    Value failed = work(kFailed) + active * linear_.factorize(matrix);
+    const Values by = linear_.solve(phi);
+    const Value size = largest_of(by), slow = exceeds(size, Value::set(0.5) * work(kLast));
+    const Value done = work(kCorrections) + active;
+    failed = failed + active * slow * exceeds(size, Value::set(kRoundingOnly)) + active * exceeds(size - size, kNone);
+    failed = failed + active * exceeds(done, Value::set(kMostCorrections));
+    for (std::size_t j = 0; j < n_; ++j) {
+      graph_.store(slot(Memory::work, j), if_at_most(active, kNone, at.unknowns[j], at.unknowns[j] - by[j]));
+    }
+    const Value goes_on = active * exceeds(size, Value::set(kCorrected)) * at_most(slow, kNone);
+    keep(kActive, if_at_most(failed, kNone, goes_on, kNone));
+    keep(kFailed, failed);
+    keep(kLast, if_at_most(active, kNone, work(kLast), size));
+    keep(kCorrections, done);
+  }
+
+  // Sizes of the changes of all registers for these of unknowns and inputs.
+  [[nodiscard]] Registers changes(const Values& unknowns, const Values& inputs) {
+    Registers out(idx(p_.registers));
+    for (std::size_t j = 0; j < n_; ++j) out[j] = unknowns[j];
+    for (std::size_t i = 0; i < inputs.size(); ++i) out[n_ + i] = inputs[i];
+    for (const Program::Form& f : p_.forms) {
+      Value sum = kNone;
+      for (std::int32_t o = f.begin; o < f.end; ++o) {
+        const Program::Operand& term = p_.operands[idx(o)];
+        sum.add_product(abs(coefficient(term.coefficient)), out[idx(term.reg)]);
+      }
+      out[idx(f.reg)] = sum;
+    }
+    return out;
+  }
+  // For each equation: bounds of the sums of the sizes of the changes of its row of the Jacobian.
+  [[nodiscard]] Values row_changes(const Registers& by) {
+    Values sums(n_);
+    for (std::int32_t c = 0; c < p_.n; ++c) {
+      for (std::int32_t k = p_.pattern.column_start[idx(c)]; k < p_.pattern.column_start[idx(c) + 1]; ++k) {
+        Value& sum = sums[idx(p_.pattern.row[idx(k)])];
+        for (std::int32_t o = p_.entries[idx(k)].begin; o < p_.entries[idx(k)].end; ++o) {
+          const Program::Operand& term = p_.entry_operands[idx(o)];
+          sum.add_product(abs(coefficient(term.coefficient)), by[idx(term.reg)]);
+        }
+      }
+    }
+    return sums;
+  }
+  // For each equation: a bound of its change if the inputs leave their chords, anywhere on the chord.
+  [[nodiscard]] Values input_changes(const Equations& middle, const Registers& half, const Registers& strays) {
+    Values sums(n_);
+    for (std::size_t i = 0; i < n_; ++i) {
+      const Program::Equation& e = p_.equations[i];
+      for (std::int32_t o = e.linear.begin; o < e.linear.end; ++o) {
+        const Program::Operand& term = p_.linear[idx(o)];
+        sums[i].add_product(abs(coefficient(term.coefficient)), strays[idx(term.reg)]);
+      }
+      for (std::int32_t o = e.products.begin; o < e.products.end; ++o) {
+        const Program::Product& q = p_.products[idx(o)];
+        Value by = (abs(middle.value(q.a)) + half[idx(q.a)]) * strays[idx(q.b)];
+        by.add_product(strays[idx(q.a)], abs(middle.value(q.b)) + half[idx(q.b)]);
+        sums[i].add_product(abs(coefficient(q.coefficient)), by);
+      }
+    }
+    return sums;
+  }
+
+  // See Walk::test() in structure/walk.cpp: with the inverse C of the Jacobian in the middle of the chord,
+  //   Y = |C residuals of the chord| + |C residuals at its end| + |C| |change by inputs off their chords|,
+  //   Z = |C| |change of the Jacobian along the chord|, B = |C| |that within a ball of radius 1|,
+  // the proof needs Z + 2 sqrt(B Y) < 1. Its residuals on the chord are those of its ends and 4 t (1 - t) times those in
+  // the middle, and those of the drawing count as 0.
+  void test() {
+    const Posture drawn = drawing(), closed = here();
+    Equations equations(p_);
+    const Values open = residuals(equations, drawn), left = residuals(equations, closed);
+    Posture middle;
+    Values half, half_inputs, strays, none(n_), units(n_, kAll), no_inputs(idx(p_.inputs));
+    const auto go = [](const Value& from, const Value& to, Values& at, Values& by) {
+      by.push_back(Value::set(0.5) * (to - from));
+      at.push_back(from + by.back());
+      by.back() = abs(by.back());
+    };
+    for (std::size_t j = 0; j < n_; ++j) go(drawn.unknowns[j], closed.unknowns[j], middle.unknowns, half);
+    for (std::size_t i = 0; i < no_inputs.size(); ++i) {
+      go(drawn.inputs[i], closed.inputs[i], middle.inputs, half_inputs);
+      strays.push_back(load(ClosingSlots::strays, i));
+      half_inputs[i] = half_inputs[i] + strays[i];
+    }
+    Values chord = residuals(equations, middle);
+    for (std::size_t i = 0; i < n_; ++i) chord[i] = chord[i] - Value::set(0.5) * open[i];
+    Value failed = work(kFailed) + linear_.factorize(jacobian(equations));
+    const Registers along = changes(half, half_inputs), beside = changes(none, strays);
+    const Values by_chord = row_changes(along), by_ball = row_changes(changes(units, no_inputs)),
+                 by_inputs = input_changes(equations, along, beside);
+    Values of_chord(n_), of_end(n_), y(n_), z(n_), b(n_);
+    for (std::size_t e = 0; e < n_; ++e) {
+      Values unit(n_);
+      unit[e] = kAll;
+      const Values column = linear_.solve(unit);
+      for (std::size_t r = 0; r < n_; ++r) {
+        of_chord[r].add_product(column[r], chord[e]);
+        of_end[r].add_product(column[r], left[e]);
+        y[r].add_product(abs(column[r]), by_inputs[e]);
+        z[r].add_product(abs(column[r]), by_chord[e]);
+        b[r].add_product(abs(column[r]), Value::set(0.5) * by_ball[e]);
+      }
+    }
+    const Value of_y = largest_of(of_chord) + largest_of(of_end) + largest_of(y), of_z = largest_of(z),
+                of_b = largest_of(b);
+    failed = failed + exceeds(of_z + Value::set(2) * sqrt(of_b * of_y), Value::set(kSurest));
+    const Value rest = kAll - of_z;
+    const Value radius = Value::set(2) * of_y / (rest + sqrt(rest * rest - Value::set(4) * (of_b * of_y)));
+    for (std::size_t j = 0; j < n_; ++j) graph_.store(slot(ClosingSlots::closed, j), closed.unknowns[j]);
+    graph_.store(slot(ClosingSlots::stray, 0), radius);
+    graph_.store(slot(ClosingSlots::open, 0), if_at_most(failed, kNone, kNone, kAll));
+  }
+
+  const Program& p_;
+  std::size_t n_;
+  LinearSteps linear_;
+  Graph graph_;
+};
+
+}  // namespace
+
+StepProgram closing_step(const Program& equations, const lanes::Elimination& elimination) {
+  return Writer(equations, elimination).write();
+}
+
+}  // namespace assur
