@@ -31,6 +31,9 @@ constexpr std::size_t kMostTried = 16;     // members that are prepared before t
 constexpr std::size_t kMostRecorded = 8;   // members at which the computation may be recorded
 constexpr std::size_t kMostVerified = 16;  // members at which a recorded computation may be checked
 constexpr std::size_t kEnoughVerified = 3;
+// Tiles of members for which machine code that assembles them is made: of a Stewart platform it takes 8 ms and saves
+// 0.13 ms for each tile.
+constexpr std::size_t kWorthCode = 64;
 
 // Internal units. The end of a walk depends on the other lanes in its last bits. It is rounded to multiples of kGrain,
 // from which the lanes solve it again, so that members have the same bits whatever is beside them; within kBlurred of
@@ -89,8 +92,9 @@ class ValueTable::Binder : public MemberBinder {
     assembly_.emplace(*table.assembly_);
     if (!structure.static_coordinates.empty()) return;
     strays_.resize(structure.system->coordinates.size());
+    StepCode* const code = table.count() >= kWorthCode * lanes ? table.first_->code.get() : nullptr;
     closing_ = CloseInLanes::make(assembly_->system, table.assembly_->parts, structure.start, static_cast<int>(lanes),
-                                  nullptr);
+                                  code);
   }
 
   void bind(std::span<const std::size_t> members, std::span<const Variant*> variants) override {
