@@ -1,6 +1,8 @@
 // Ways to the start that lanes follow side by side, beside those that mechanisms follow alone.
 #include "side_by_side/walk_in_lanes.hpp"
 
+#include "side_by_side/close_in_lanes.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -11,6 +13,8 @@
 #include <vector>
 
 #include "assur/assur.hpp"
+#include "execute/step_code.hpp"
+#include "index.hpp"
 #include "scene/lowering.hpp"
 #include "scene/own_values.hpp"
 #include "simulation/random_mechanisms.hpp"
@@ -53,6 +57,14 @@ struct Case {
   Way way;
   std::vector<double> q;  // as written
 };
+
+DriverValues at_end(const Way& way) {
+  DriverValues out = way.from;
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    for (std::size_t k = 0; k < out[i].size(); ++k) out[i][k] += way.change[i][k];
+  }
+  return out;
+}
 
 // True if the systems differ in numbers only.
 bool alike(const System& a, const System& b) {
@@ -184,6 +196,112 @@ TEST(WalkInLanes, LeavesAMechanismThatMeetsAFold) {
   EXPECT_EQ(moving.arrived, kLanes - 1);
   EXPECT_EQ(moving.arrived_alone, kLanes - 1);
   EXPECT_FALSE(lanes.arrived(3));
+}
+
+// Where each mechanism is at its start, by two walks of its own; empty if one of them does not arrive.
+std::vector<double> walked(const Case& c) {
+  std::vector<double> q = c.q;
+  if (walk(c.system, c.parts, closing_way(c.system, c.parts, q), q).end != Walked::End::arrived) return {};
+  if (walk(c.system, c.parts, c.way, q).end != Walked::End::arrived) return {};
+  return q;
+}
+
+void set(CloseInLanes& lanes, std::size_t lane, const Case& c) {
+  std::vector<double> end = c.q, strays(c.q.size());
+  drive_by_values(c.system, at_end(c.way), end);
+  set_strays(c.system, c.way, 1, strays);
+  lanes.set(lane, c.system, c.q);
+  lanes.move(lane, end, strays);
+}
+
+// Every start that is proven is that of the walks. Returns the number of proofs.
+int expect_proven_starts_of_walks(const std::vector<Case>& cases) {
+  const std::vector<double> first = walked(cases[0]);
+  if (first.empty()) return 0;
+  const std::unique_ptr<CloseInLanes> lanes =
+      CloseInLanes::make(cases[0].system, cases[0].parts, first, kLanes, nullptr);
+  if (!lanes) return 0;
+  for (std::size_t i = 0; i < cases.size(); ++i) set(*lanes, i, cases[i]);
+  lanes->run();
+  int proven = 0;
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    if (!lanes->has_arrived(i)) continue;
+    ++proven;
+    const std::vector<double> q = walked(cases[i]);
+    if (q.empty()) {
+      ADD_FAILURE() << "mechanism " << i << " does not arrive alone";
+      continue;
+    }
+    for (const WalkedPart& p : cases[i].parts) {
+      for (const Index u : p.unknowns) {
+        EXPECT_NEAR(lanes->at(idx(u), i), q[idx(u)], 1e-10)
+            << "mechanism " << i << ", " << cases[i].system.coordinate_name(u);
+      }
+    }
+  }
+  return proven;
+}
+
+TEST(CloseInLanes, ProvesStartsOfWalksOnly) {
+  test::Draw draw(3);
+  int near = 0, far = 0;
+  for (int round = 0; round < 60; ++round) {
+    for (const double most : {0.2, 2.5}) {
+      std::vector<Case> cases;
+      for (int i = 0; i < kLanes; ++i) cases.emplace_back(four_bar(draw, draw.real(-most, most)), 0);
+      (most < 1 ? near : far) += expect_proven_starts_of_walks(cases);
+    }
+  }
+  EXPECT_GE(near, 60 * kLanes / 4);
+  EXPECT_LT(far, near);
+}
+
+TEST(CloseInLanes, ProvesStartsOfRandomMechanisms) {
+  int proven = 0, mechanisms = 0;
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    for (const bool in_space : {false, true}) {
+      SCOPED_TRACE("seed " + std::to_string(seed) + (in_space ? ", in space" : ", in the plane"));
+      std::vector<Case> cases;
+      for (std::uint64_t i = 0; i < kLanes; ++i) {
+        test::Draw draw(seed, 0.02, i);
+        cases.emplace_back(in_space ? test::spatial_mechanism(draw) : test::planar_mechanism(draw), 0.02);
+        if (!alike(cases[i].system, cases[0].system)) {
+          cases.pop_back();
+          break;
+        }
+      }
+      if (cases.size() < kLanes) continue;
+      mechanisms += kLanes;
+      proven += expect_proven_starts_of_walks(cases);
+    }
+  }
+  EXPECT_GE(mechanisms, 400);
+  EXPECT_GE(proven, mechanisms / 4);
+}
+
+TEST(CloseInLanes, BitsDependOnNothingElse) {
+  test::Draw draw(4);
+  std::vector<Case> cases;
+  for (int i = 0; i < 16; ++i) cases.emplace_back(four_bar(draw, draw.real(-0.1, 0.1)), 0);
+  const std::vector<double> first = walked(cases[0]);
+  const auto code = step_code();
+  std::vector<std::vector<double>> expected(16);
+  for (const int w : {16, 8, 4, 2, 1}) {
+    for (StepCode* const by : {static_cast<StepCode*>(nullptr), code.get()}) {
+      const auto lanes = CloseInLanes::make(cases[0].system, cases[0].parts, first, w, by);
+      ASSERT_TRUE(lanes);
+      for (std::size_t i = 0; i < 16; i += idx(w)) {
+        for (std::size_t l = 0; l < idx(w); ++l) set(*lanes, l, cases[i + l]);
+        lanes->run();
+        for (std::size_t l = 0; l < idx(w); ++l) {
+          std::vector<double> q = {lanes->has_arrived(l) ? 1.0 : 0.0};
+          for (std::size_t c = 0; c < first.size(); ++c) q.push_back(lanes->at(c, l));
+          if (expected[i + l].empty()) expected[i + l] = q;
+          EXPECT_EQ(q, expected[i + l]) << "mechanism " << i + l << " in " << w << " lanes";
+        }
+      }
+    }
+  }
 }
 
 }  // namespace
