@@ -16,7 +16,6 @@
 #include "scene/own_values.hpp"
 #include "scene/residual_scale.hpp"
 #include "scene/scene_source.hpp"
-#include "side_by_side/close_in_lanes.hpp"
 #include "side_by_side/walk_in_lanes.hpp"
 #include "structure/assembly.hpp"
 #include "structure/directions.hpp"
@@ -35,10 +34,8 @@ constexpr std::size_t kEnoughVerified = 3;
 // 0.13 ms for each tile.
 constexpr std::size_t kWorthCode = 64;
 
-// Internal units. The end of a walk depends on the other lanes in its last bits. It is rounded to multiples of kGrain,
-// from which the lanes solve it again, so that members have the same bits whatever is beside them; within kBlurred of
-// the border between two multiples a member walks alone.
-constexpr double kGrain = 0x1p-26, kBlurred = 1e-11;
+// Internal units. The end of a walk is rounded to multiples of this, from which all lanes take the same iterations.
+constexpr double kGrain = 0x1p-26;
 constexpr double kAsGuessed = 1e-12;  // internal units
 constexpr double kAsDrawn = 1e-9;     // relative residual of a posture as written that is closed but for rounding
 
@@ -91,9 +88,8 @@ class ValueTable::Binder : public MemberBinder {
     if (!table.assembly_) return;
     assembly_.emplace(*table.assembly_);
     if (!structure.static_coordinates.empty()) return;
-    strays_.resize(structure.system->coordinates.size());
     StepCode* const code = table.count() >= kWorthCode * lanes ? table.first_->code.get() : nullptr;
-    closing_ = CloseInLanes::make(assembly_->system, table.assembly_->parts, structure.start, static_cast<int>(lanes),
+    in_lanes_ = WalkInLanes::make(assembly_->system, table.assembly_->parts, structure.start, static_cast<int>(lanes),
                                   code);
   }
 
@@ -112,8 +108,7 @@ class ValueTable::Binder : public MemberBinder {
       variants[l] = &lanes_[l].variant;
       if (!starts_as_written(lanes_[l])) open.push_back(l);
     }
-    if (closing_ && !open.empty()) open = close_together(open);
-    for (const std::size_t l : walk_together(open)) {
+    for (const std::size_t l : in_lanes_ && !open.empty() ? walk_together(open) : open) {
       if (!assemble(l)) variants[l] = nullptr;
     }
   }
@@ -125,7 +120,7 @@ class ValueTable::Binder : public MemberBinder {
     Walker w;
     if (!place_as_written(s, i, w) || !close(s, parts, w.q)) return false;
     if (w.moves && walk(s, parts, w.way, w.q).end != Walked::End::arrived) return false;
-    return arrive(s, w, Arrival::alone);
+    return arrive(s, w);
   }
 
   [[nodiscard]] bool is_start(const Variant& guess, std::span<const double> posture) const override {
@@ -223,72 +218,56 @@ class ValueTable::Binder : public MemberBinder {
     return true;
   }
 
-  // How a member came to the end of its way.
-  enum class Arrival : std::uint8_t {
-    alone,     // it walked alone
-    together,  // it walked beside others
-    closed,    // beside others, too, but in steps that do not depend on them
-  };
   // Gives the lane the posture at the end of its way. False if that is not the start that prepare() would find, because
-  // drivers have not the values of their laws; or if it must walk alone to be rounded as it always is (kGrain).
-  [[nodiscard]] bool arrive(const System& s, Walker& w, Arrival how) {
+  // drivers have not the values of their laws.
+  [[nodiscard]] bool arrive(const System& s, Walker& w) {
     for (const WalkedPart& p : table_.assembly_->parts) {
       for (const Index u : p.unknowns) w.at_laws[idx(u)] = w.q[idx(u)];
     }
     const std::vector<double>& q = w.at_laws;
     const auto is_wrong = [&](const DriverInput& in) { return mismatch(s, in, q).has_value(); };
-    const auto is_positive = [&](const Positive& p) { return q[idx(p.coordinate)] > 0; };
-    if (!undefined_driver(s, q).empty() || std::any_of(s.inputs.begin(), s.inputs.end(), is_wrong) ||
-        !std::all_of(s.positive.begin(), s.positive.end(), is_positive)) {
-      return false;
-    }
+    if (!undefined_driver(s, q).empty() || std::any_of(s.inputs.begin(), s.inputs.end(), is_wrong)) return false;
     std::vector<double>& posture = lanes_[w.lane].variant.posture;
     const bool rests = !table_.structure_->static_coordinates.empty();  // what they read is not solved again
-    for (const Index c : near_) {
-      const double grains = q[idx(c)] / kGrain, from_border = std::abs(grains - std::floor(grains) - 0.5) * kGrain;
-      if (how == Arrival::together && !(from_border > kBlurred)) return false;
-      posture[idx(c)] = rests || how == Arrival::closed ? q[idx(c)] : std::round(grains) * kGrain;
-    }
+    for (const Index c : near_) posture[idx(c)] = rests ? q[idx(c)] : std::round(q[idx(c)] / kGrain) * kGrain;
     for (const Index c : table_.structure_->static_coordinates) posture[idx(c)] = q[idx(c)];
     return true;
   }
 
-  // Assembles those members side by side that two steps bring to their start: one closes the drawing, one moves the
-  // drivers. Returns the others.
-  std::vector<std::size_t> close_together(const std::vector<std::size_t>& lanes) {
-    std::vector<std::size_t> others;
-    std::vector<Walker> closed;
-    for (const std::size_t l : lanes) {
-      const System& s = numbers_of(l);
-      Walker w;
-      if (!place_as_written(s, l, w)) {
-        others.push_back(l);
-        continue;
-      }
-      closing_->set(l, s, w.q);
-      if (w.moves) {
-        set_strays(s, w.way, 1, strays_);
-        closing_->move(l, w.at_laws, strays_);
-      }
-      closed.push_back(std::move(w));
+  // The drivers of members on their way.
+  class Drivers final : public WalkInLanes::Drivers {
+   public:
+    Drivers(Binder& binder, const std::vector<Walker>& walkers) : binder_(binder), walker_(binder.lanes_.size()) {
+      for (const Walker& w : walkers) walker_[w.lane] = &w;
     }
-    if (closed.empty()) return others;
-    closing_->run();
-    for (Walker& w : closed) {
-      for (std::size_t c = 0; c < w.q.size(); ++c) w.q[c] = closing_->at(c, w.lane);
-      if (!closing_->has_arrived(w.lane) || !arrive(numbers_of(w.lane), w, Arrival::closed)) others.push_back(w.lane);
+    void move(std::size_t lane, double before, double share, std::vector<double>& q,
+              std::vector<double>& strays) override {
+      const System& s = binder_.numbers_of(lane);
+      const Walker& w = *walker_[lane];
+      set_strays(s, w.way, share - before, strays);
+      if (share == 1) {
+        q = w.at_laws;
+        return;
+      }
+      DriverValues values = w.way.from;
+      for (std::size_t i = 0; i < values.size(); ++i) {
+        for (std::size_t k = 0; k < values[i].size(); ++k) values[i][k] += share * w.way.change[i][k];
+      }
+      drive_by_values(s, values, q);
     }
-    return others;
-  }
+    [[nodiscard]] bool hold(std::size_t lane, const std::vector<double>& q) override {
+      return drivers_hold(binder_.numbers_of(lane), walker_[lane]->way, q);
+    }
+
+   private:
+    Binder& binder_;
+    std::vector<const Walker*> walker_;  // lanes
+  };
 
   // Assembles those members side by side that can be; returns the others.
   std::vector<std::size_t> walk_together(const std::vector<std::size_t>& lanes) {
-    if (!assembly_ || lanes.size() < 2 || !table_.structure_->static_coordinates.empty()) return lanes;
-    const std::vector<WalkedPart>& parts = table_.assembly_->parts;
-    if (!in_lanes_) in_lanes_.emplace(assembly_->system, parts, static_cast<int>(lanes_.size()));
     std::vector<std::size_t> others;
-    std::vector<Walker> open, closed;
-    in_lanes_->clear();
+    std::vector<Walker> walkers;
     for (const std::size_t l : lanes) {
       const System& s = numbers_of(l);
       Walker w;
@@ -296,39 +275,15 @@ class ValueTable::Binder : public MemberBinder {
         others.push_back(l);
         continue;
       }
-      const Way closing = closing_way(s, parts, w.q);
-      if (!closing.open.empty()) in_lanes_->add(s, closing, w.q);
-      (closing.open.empty() ? closed : open).push_back(std::move(w));
+      in_lanes_->set(l, s, w.q, w.moves);
+      walkers.push_back(std::move(w));
     }
-    const auto walk_all = [&](std::vector<Walker>& walkers, const auto& then) {
-      in_lanes_->run();
-      std::size_t k = 0;
-      for (Walker& w : walkers) {
-        if (in_lanes_->arrived(k)) {
-          const std::vector<double>& at = in_lanes_->posture(k);
-          std::copy_n(at.begin(), w.q.size(), w.q.begin());
-          then(w);
-        } else {
-          others.push_back(w.lane);
-        }
-        ++k;
-      }
-    };
-    walk_all(open, [&](Walker& w) { closed.push_back(std::move(w)); });
-    std::vector<Walker> moving;
-    in_lanes_->clear();
-    const auto end = [&](Walker& w) {
-      if (!arrive(numbers_of(w.lane), w, Arrival::together)) others.push_back(w.lane);
-    };
-    for (Walker& w : closed) {
-      if (w.moves) {
-        in_lanes_->add(numbers_of(w.lane), w.way, w.q);
-        moving.push_back(std::move(w));
-      } else {
-        end(w);
-      }
+    Drivers drivers(*this, walkers);
+    in_lanes_->run(drivers);
+    for (Walker& w : walkers) {
+      for (std::size_t c = 0; c < w.q.size(); ++c) w.q[c] = in_lanes_->at(c, w.lane);
+      if (!in_lanes_->arrived(w.lane) || !arrive(numbers_of(w.lane), w)) others.push_back(w.lane);
     }
-    walk_all(moving, end);
     return others;
   }
 
@@ -385,9 +340,7 @@ class ValueTable::Binder : public MemberBinder {
   std::vector<Index> from_guess_;    // coordinates that begin at their guess
   std::vector<Index> static_equations_;
   std::optional<OneMember> assembly_;
-  std::unique_ptr<CloseInLanes> closing_;  // null: drawings are closed by walks only
-  std::vector<double> strays_;             // coordinates
-  std::optional<WalkInLanes> in_lanes_;
+  std::unique_ptr<WalkInLanes> in_lanes_;  // null: each member walks alone
   std::vector<Lane> lanes_;
   std::vector<double> parameters_;       // lanes x varying columns
   std::vector<const double*> pointers_;  // lanes

@@ -1,158 +1,223 @@
 #include "side_by_side/walk_in_lanes.hpp"
 
 #include <algorithm>
-#include <numeric>
+#include <array>
 #include <utility>
 
+#include "backends/lanes_order.hpp"
 #include "index.hpp"
+#include "numbers.hpp"
+#include "program/walk_step.hpp"
 #include "structure/classes.hpp"
+#include "structure/dense_block.hpp"
 
 namespace assur {
 namespace {
 
-constexpr double kShortest = 0x1p-6;  // step; one mechanism alone takes steps of its own
-constexpr Stride kFirst{.length = 1, .patience = 2};
+constexpr std::int32_t kMostUnknowns = 24;  // of a part: the program has all columns of an inverse
+constexpr std::int32_t kWithoutPivots = 3;  // see walk_step()
+constexpr double kShortest = 0x1p-8;        // step; one mechanism alone takes steps of any length
+constexpr int kMostSteps = 100;
+constexpr double kShrink = 0.3, kGrowth = 2.5;  // of a step, at most, as in structure/walk.cpp
 
-Law line(double from, double change) { return Law::polynomial({from, change}); }
-
-// Adds an input that goes from 1 to 0. Each equation is less this times what is open in it.
-void add_openness(System& s) {
-  const auto z = static_cast<Index>(s.coordinates.size());
-  s.coordinates.push_back({-1, 0, 0, Role::driven, true});
-  s.guess.push_back(0);
-  DriverInput input;
-  input.first = z;
-  input.count = 1;
-  input.laws = {Law()};
-  s.inputs.push_back(std::move(input));
-  for (Equation& e : s.equations) {
-    if (e.linear >= 0) {
-      const auto old = s.form(e.linear);
-      const std::vector<Term> terms(old.begin(), old.end());
-      s.terms.insert(s.terms.end(), terms.begin(), terms.end());
+// The Jacobian of a part at a posture, in the order of a pattern.
+std::vector<double> nonzeros(const System& s, const Group& group, const Pattern& pattern, std::span<const double> q) {
+  std::vector<Index> column(s.coordinates.size(), -1);
+  const std::vector<double> posture(q.begin(), q.end());
+  const Eigen::MatrixXd j = DenseBlock(s, group.equations, group.unknowns, column).jacobian(posture);
+  std::vector<double> out;
+  for (Index c = 0; c < pattern.n; ++c) {
+    for (Index k = pattern.column_start[idx(c)]; k < pattern.column_start[idx(c) + 1]; ++k) {
+      out.push_back(j(pattern.row[idx(k)], c));
     }
-    s.terms.push_back({z, static_cast<Index>(s.constants.size())});
-    s.constants.push_back(0);
-    s.form_start.push_back(static_cast<Index>(s.terms.size()));
-    e.linear = s.forms() - 1;
   }
-}
-
-std::shared_ptr<const Structure> structure_of(std::shared_ptr<const System> system,
-                                              const std::vector<WalkedPart>& parts) {
-  const std::vector<std::uint8_t> moves(system->coordinates.size(), 1);
-  auto out = std::make_shared<Structure>();
-  ClassTable table(*system, moves);
-  for (const WalkedPart& part : parts) {
-    GroupContent content;
-    content.unknowns = part.unknowns;
-    content.equations = part.equations;
-    content.unknown_block.assign(part.unknowns.size(), 0);
-    content.equation_block.assign(part.equations.size(), 0);
-    Group& group = out->groups.emplace_back();
-    group.of = static_cast<Index>(part.unknowns.size());
-    group.level = out->levels++;
-    table.classify(content, group);
-  }
-  out->classes = table.take();
-  out->system = std::move(system);
-  return out;
-}
-
-Prepared prepared_for(std::shared_ptr<const Structure> structure, int lanes) {
-  Prepared out;
-  out.table = backends();
-  out.plan.lanes = lanes;
-  out.plan.run.predictor = {Predictor::Kind::hermite, 5};
-  for (Index c = 0; c < std::ssize(structure->classes); ++c) {
-    Plan::Choice choice;
-    choice.group_class = c;
-    choice.shape.n = structure->classes[idx(c)].n;
-    choice.shape.nnz = structure->pattern(c).nnz();
-    choice.shape.rhs = 3;
-    choice.solver.backend = "lanes";
-    out.plan.choices.push_back(std::move(choice));
-  }
-  out.structure = std::move(structure);
   return out;
 }
 
 }  // namespace
 
-WalkInLanes::WalkInLanes(const System& system, const std::vector<WalkedPart>& parts, int lanes)
-    : system_(std::make_shared<System>(system)), numbers_(system.constants.size()), lanes_(idx(lanes)) {
-  // Nothing is measured on the way, and limits count at its end.
-  system_->outputs.clear();
-  system_->items.clear();
-  system_->measures.clear();
-  system_->bounds.clear();
-  add_openness(*system_);
-  structure_ = structure_of(system_, parts);
-}
-
-void WalkInLanes::add(const System& numbers, const Way& way, std::span<const double> q) {
-  Lane& lane = lanes_[members_++];
-  if (!lane.system) {
-    lane.system = std::make_shared<System>(*system_);
-    lane.variant.system = lane.system;
-    lane.variant.changes = Variant::Changes{false, true, true};
+std::unique_ptr<WalkInLanes> WalkInLanes::make(const System& system, std::span<const WalkedPart> parts,
+                                               std::span<const double> posture, int lanes, StepCode* code) {
+  std::unique_ptr<WalkInLanes> out(new WalkInLanes(idx(lanes)));
+  const std::size_t w = out->w_;
+  const std::vector<std::uint8_t> moves(system.coordinates.size(), 1);
+  ClassTable table(system, moves);
+  std::vector<Group> groups;
+  for (const WalkedPart& part : parts) {
+    if (part.equations.size() != part.unknowns.size() || std::ssize(part.unknowns) > kMostUnknowns) return nullptr;
+    GroupContent content;
+    content.unknowns = part.unknowns;
+    content.equations = part.equations;
+    content.unknown_block.assign(part.unknowns.size(), 0);
+    content.equation_block.assign(part.equations.size(), 0);
+    table.classify(content, groups.emplace_back());
   }
-  System& s = *lane.system;
-  std::copy(numbers.constants.begin(), numbers.constants.end(), s.constants.begin());
-  const bool closes = !way.open.empty();
-  for (std::size_t e = 0; e < s.equations.size(); ++e) s.constants[numbers_ + e] = closes ? -way.open[e] : 0;
-  s.inputs.back().laws[0] = closes ? line(1, -1) : Law();
-  for (std::size_t i = 0; i < way.from.size(); ++i) {
-    for (std::size_t k = 0; k < way.from[i].size(); ++k) s.inputs[i].laws[k] = line(way.from[i][k], way.change[i][k]);
-  }
-  lane.arrived = false;
-  lane.variant.posture.assign(q.begin(), q.end());
-  lane.variant.posture.push_back(closes ? 1 : 0);
-}
-
-// Moves the mechanisms in the tile to s = 1. Not ok: they cannot take the shortest step together.
-Status WalkInLanes::follow(std::vector<std::size_t>& in_tile) {
-  std::vector<const Variant*> variants;
-  for (const std::size_t i : in_tile) {
-    lanes_[i].variant.time = at_;
-    variants.push_back(&lanes_[i].variant);
-  }
-  if (const Status s = tile_->start(variants); !s.ok()) return s;
-  Status s;
-  while (at_ < 1 && s.ok()) {
-    const double to = std::min(at_ + stride_.length, 1.0);
-    s = tile_->step(std::vector<double>(in_tile.size(), to));
-    if (s.ok()) {
-      at_ = to;
-      stride_.arrive();
-    } else if (stride_.length > kShortest) {
-      s = {};
-      stride_.set(stride_.length / 2);
+  std::size_t inputs = 0, unknowns = 0, work = 0;
+  const std::vector<GroupClass> classes = table.take();
+  std::vector<lanes::Elimination> eliminations;  // of the programs
+  for (const Group& group : groups) {
+    const GroupClass& c = classes[idx(group.group_class)];
+    if (!c.quadratic || !c.gears.empty()) return nullptr;
+    const Pattern pattern = jacobian_pattern(c);
+    lanes::Elimination elimination;
+    if (pattern.n > kWithoutPivots) {
+      const lanes::Order order = lanes::markowitz_order(pattern, nonzeros(system, group, pattern, posture), 1, 1, {});
+      if (!order.complete(pattern.n) || order.served != 1) return nullptr;
+      elimination = lanes::write_program(pattern, order);
     }
+    Part& part = out->parts_.emplace_back();
+    part.unknowns = group.unknowns;
+    part.inputs = group.inputs;
+    part.constants = group.constants;
+    // Groups of one class often lie so differently that other pivots serve them.
+    while (part.by < out->steps_.size() &&
+           !(out->steps_[part.by].group_class == group.group_class && eliminations[part.by] == elimination)) {
+      ++part.by;
+    }
+    if (part.by == out->steps_.size()) {
+      Step& step = out->steps_.emplace_back();
+      step.group_class = group.group_class;
+      step.program = compile(c, pattern);
+      const StepProgram program = walk_step(step.program, elimination);
+      if (code != nullptr) step.executor = code->of(program, lanes);
+      if (!step.executor) step.executor = make_interpreter(program, lanes);
+      eliminations.push_back(std::move(elimination));
+      inputs = std::max(inputs, idx(c.inputs));
+      unknowns = std::max(unknowns, idx(c.n));
+      work = std::max(work, work_of_walk_step(step.program));
+    }
+    part.coefficients.resize(out->steps_[part.by].program.coefficients.size() * w);
+    for (LaneArray* v : {&part.open, &part.aims}) v->resize(idx(c.n) * w);
   }
-  for (std::size_t lane = 0; lane < in_tile.size(); ++lane) {
-    lanes_[in_tile[lane]].variant.posture = tile_->posture(static_cast<int>(lane));
+  for (std::size_t c = 0; c < system.coordinates.size(); ++c) {
+    if (system.coordinates[c].role != Role::unknown) out->known_.push_back(static_cast<Index>(c));
   }
-  return s;
+  for (const Positive& p : system.positive) out->positive_.push_back(p.coordinate);
+  for (LaneArray* v : {&out->from_, &out->to_, &out->strays_}) v->resize(system.coordinates.size() * w);
+  for (LaneArray* v : {&out->inputs_, &out->from_inputs_, &out->stray_inputs_}) v->resize(inputs * w);
+  for (LaneArray* v : {&out->unknowns_, &out->solved_, &out->open_}) v->resize(unknowns * w);
+  for (LaneArray* v : {&out->stray_, &out->use_}) v->resize(w);
+  out->work_.resize(work * w);
+  for (std::vector<double>* v : {&out->one_, &out->one_strays_}) v->resize(system.coordinates.size());
+  return out;
 }
 
-void WalkInLanes::run() {
-  if (members_ == 0) return;
-  if (!tile_) {
-    tile_.emplace(prepared_for(structure_, static_cast<int>(lanes_.size())), StepLimits{});
-    tile_->keep_pivots(lanes_[0].variant);
+void WalkInLanes::set(std::size_t lane, const System& numbers, std::span<const double> drawing, bool drivers_move) {
+  lanes_[lane] = {Stage::closing, drivers_move};
+  for (std::size_t c = 0; c < drawing.size(); ++c) from_[c * w_ + lane] = drawing[c];
+  for (Part& part : parts_) {
+    constants_.clear();
+    for (const std::int32_t k : part.constants) constants_.push_back(numbers.constants[idx(k)]);
+    bind_coefficients(steps_[part.by].program, constants_, part.coefficients.data() + lane, w_);
   }
-  std::vector<std::size_t> in_tile(members_);
-  std::iota(in_tile.begin(), in_tile.end(), 0);
-  at_ = 0;
-  stride_ = kFirst;
-  while (!in_tile.empty()) {
-    const Status s = follow(in_tile);
-    if (s.ok()) break;
-    if (!s.where.is(Place::Kind::lane)) return;
-    in_tile.erase(in_tile.begin() + s.where.index);
+}
+
+void WalkInLanes::get(std::size_t lane, const LaneArray& rows) {
+  for (std::size_t c = 0; c < one_.size(); ++c) one_[c] = rows[c * w_ + lane];
+}
+
+void WalkInLanes::put(std::size_t lane, LaneArray& rows, const std::vector<double>& numbers) const {
+  for (const std::int32_t c : known_) rows[idx(c) * w_ + lane] = numbers[idx(c)];
+}
+
+void WalkInLanes::run(Drivers& drivers) {
+  const auto each = [&](const auto& work) {
+    bool any = false;
+    for (std::size_t lane = 0; lane < w_; ++lane) {
+      if (!lanes_[lane].is_on_its_way()) continue;
+      any = true;
+      work(lane);
+    }
+    return any;
+  };
+  for (Lane& lane : lanes_) {
+    if (!lane.is_on_its_way()) lane.stage = Stage::unset;
   }
-  for (const std::size_t i : in_tile) lanes_[i].arrived = true;
+  while (each([&](std::size_t lane) { begin_step(lane, drivers); })) {
+    std::fill(used_.begin(), used_.end(), 0.0);
+    for (Part& part : parts_) run(part);
+    each([&](std::size_t lane) { end_step(lane, drivers); });
+  }
+}
+
+// Sets the known coordinates, and the residuals, at the end of the step.
+void WalkInLanes::begin_step(std::size_t lane, Drivers& drivers) {
+  const Lane& l = lanes_[lane];
+  const bool moves = l.stage == Stage::moving;
+  get(lane, from_);
+  std::fill(one_strays_.begin(), one_strays_.end(), 0.0);
+  if (moves) drivers.move(lane, l.share, l.target(), one_, one_strays_);
+  put(lane, to_, one_);
+  put(lane, strays_, one_strays_);
+  const double left = moves ? 0 : 1 - l.target();
+  for (Part& part : parts_) {
+    for (std::size_t i = lane; i < part.aims.size(); i += w_) part.aims[i] = left > 0 ? left * part.open[i] : 0;
+  }
+}
+
+void WalkInLanes::end_step(std::size_t lane, Drivers& drivers) {
+  Lane& l = lanes_[lane];
+  ++l.steps;
+  const double by = l.target() - l.share, used = used_[lane] <= kSurestProof && !holds(lane, drivers) ? 1 : used_[lane];
+  if (!(used <= kSurestProof)) {
+    l.step = by * std::clamp(kWantedProof / used, kShrink * kShrink, 0.5);
+    if (l.step < kShortest || l.steps >= kMostSteps) l.stage = Stage::given_up;
+    return;
+  }
+  for (std::size_t i = lane; i < from_.size(); i += w_) from_[i] = to_[i];
+  l.share = l.target();
+  l.step = by * std::clamp(kWantedProof / std::max(used, kEps), kShrink, kGrowth);
+  if (l.share < 1) return;
+  const bool goes_on = l.stage == Stage::closing && l.drivers_move;
+  l.stage = goes_on ? Stage::moving : Stage::arrived;
+  l.share = 0;
+  l.step = 1;
+}
+
+// False if a lever is not positive, or if a driver has not its value any more, because its direction has vanished.
+bool WalkInLanes::holds(std::size_t lane, Drivers& drivers) {
+  for (const std::int32_t c : positive_) {
+    if (!(to_[idx(c) * w_ + lane] > 0)) return false;
+  }
+  if (lanes_[lane].stage != Stage::moving) return true;
+  get(lane, to_);
+  return drivers.hold(lane, one_);
+}
+
+void WalkInLanes::run(Part& part) {
+  const auto copy = [this](const LaneArray& from, std::size_t row, LaneArray& to, std::size_t to_row) {
+    std::copy_n(from.data() + row * w_, w_, to.data() + to_row * w_);
+  };
+  for (std::size_t i = 0; i < part.inputs.size(); ++i) {
+    const std::size_t c = idx(part.inputs[i]);
+    copy(to_, c, inputs_, i);
+    copy(from_, c, from_inputs_, i);
+    copy(strays_, c, stray_inputs_, i);
+  }
+  for (std::size_t j = 0; j < part.unknowns.size(); ++j) copy(from_, idx(part.unknowns[j]), unknowns_, j);
+  std::array<double*, kMemories> memory;
+  const auto give = [&](Memory m, LaneArray& at) { memory[static_cast<std::size_t>(m)] = at.data(); };
+  give(Memory::coefficients, part.coefficients);
+  give(Memory::work, work_);
+  give(WalkSlots::from, unknowns_);
+  give(WalkSlots::inputs, inputs_);
+  give(WalkSlots::from_inputs, from_inputs_);
+  give(WalkSlots::strays, stray_inputs_);
+  give(WalkSlots::aims, part.aims);
+  give(WalkSlots::to, solved_);
+  give(WalkSlots::open, open_);
+  give(WalkSlots::stray, stray_);
+  give(WalkSlots::used, use_);
+  steps_[part.by].executor->run(memory);
+  for (std::size_t j = 0; j < part.unknowns.size(); ++j) {
+    copy(solved_, j, to_, idx(part.unknowns[j]));
+    copy(stray_, 0, strays_, idx(part.unknowns[j]));
+  }
+  for (std::size_t l = 0; l < w_; ++l) {
+    used_[l] = use_[l] <= used_[l] ? used_[l] : use_[l];
+    if (lanes_[l].steps > 0) continue;
+    for (std::size_t i = l; i < part.open.size(); i += w_) part.open[i] = open_[i];
+  }
 }
 
 }  // namespace assur

@@ -1,52 +1,93 @@
-// Follows several mechanisms that differ in numbers only to their start, one in each SIMD lane. structure/walk.hpp
-// follows one mechanism, wherever that is possible; here all of them move in steps of one length, without change
-// points.
+// Follows several mechanisms that differ in numbers only to their start, one in each SIMD lane: drawings close, then
+// drivers move to their laws (structure/way.hpp). Each step is proven (program/walk_step.hpp). Every lane has steps of
+// its own, and its bits depend on no other lane. structure/walk.hpp follows one mechanism, wherever that is possible;
+// here there are no change points.
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
-#include <optional>
 #include <span>
 #include <vector>
 
-#include "path/stride.hpp"
-#include "side_by_side/tile.hpp"
+#include "equations/lane_array.hpp"
+#include "equations/program.hpp"
+#include "execute/step_code.hpp"
+#include "scene/system.hpp"
 #include "structure/walk.hpp"
 
 namespace assur {
 
 class WalkInLanes {
  public:
-  // system: any of the mechanisms. parts: in solving order; each has as many equations as unknowns.
-  WalkInLanes(const System& system, const std::vector<WalkedPart>& parts, int lanes);
+  // Drivers of the mechanisms.
+  class Drivers {
+   public:
+    virtual ~Drivers() = default;
+    // Puts the known coordinates of q where they are at this share of the way of the drivers, and finds how far they
+    // may leave their chords since a share before it (set_strays()). q, strays: all coordinates of the lane
+    virtual void move(std::size_t lane, double before, double share, std::vector<double>& q,
+                      std::vector<double>& strays) = 0;
+    // True if the drivers have their values there, measured without their equations.
+    [[nodiscard]] virtual bool hold(std::size_t lane, const std::vector<double>& q) = 0;
+  };
 
-  // Begins anew, without mechanisms.
-  void clear() { members_ = 0; }
-  // Adds a mechanism: its numbers, its way, and its posture at s = 0 (all coordinates). At most one for each lane.
-  void add(const System& numbers, const Way& way, std::span<const double> q);
-  // Follows the ways of all mechanisms as far as possible.
-  void run();
+  // system: any of the mechanisms, without functions and gears; posture: of this one, all coordinates; parts: in
+  // solving order, each has as many equations as unknowns; code: null if there is none. Null if a part is too large, or
+  // if the posture is singular.
+  [[nodiscard]] static std::unique_ptr<WalkInLanes> make(const System& system, std::span<const WalkedPart> parts,
+                                                         std::span<const double> posture, int lanes, StepCode* code);
 
-  // Of the i-th mechanism: true if it is at s = 1; its last posture, with the input that closes drawings at the end.
-  [[nodiscard]] bool arrived(std::size_t i) const { return lanes_[i].arrived; }
-  [[nodiscard]] const std::vector<double>& posture(std::size_t i) const { return lanes_[i].variant.posture; }
+  // Sets the mechanism of a lane: its numbers, and its drawing with the drivers in place (all coordinates).
+  void set(std::size_t lane, const System& numbers, std::span<const double> drawing, bool drivers_move);
+  // Follows the mechanisms that were set since the last call.
+  void run(Drivers& drivers);
+
+  // True if a mechanism is at its start, and its posture.
+  [[nodiscard]] bool arrived(std::size_t lane) const { return lanes_[lane].stage == Stage::arrived; }
+  [[nodiscard]] double at(std::size_t coordinate, std::size_t lane) const { return from_[coordinate * w_ + lane]; }
 
  private:
+  enum class Stage : std::uint8_t { unset, closing, moving, arrived, given_up };
   struct Lane {
-    std::shared_ptr<System> system;
-    Variant variant;
-    bool arrived = false;
-  };
-  [[nodiscard]] Status follow(std::vector<std::size_t>& in_tile);
+    Stage stage = Stage::unset;
+    bool drivers_move = false;
+    double share = 0, step = 1;  // of the way of this stage; length of the next step
+    int steps = 0;  // attempts
 
-  std::shared_ptr<System> system_;  // the equations, less (1 - s) times what is open
-  std::size_t numbers_ = 0;         // constants of the mechanism; behind them: of what is open, by equation
-  std::shared_ptr<const Structure> structure_;
+    [[nodiscard]] bool is_on_its_way() const { return stage == Stage::closing || stage == Stage::moving; }
+    [[nodiscard]] double target() const { return share + step < 1 ? share + step : 1; }
+  };
+  struct Step {
+    std::int32_t group_class = 0;
+    Program program;
+    std::shared_ptr<const Executor> executor;
+  };
+  struct Part {
+    std::size_t by = 0;  // index of its step
+    std::vector<std::int32_t> unknowns, inputs, constants;
+    LaneArray coefficients;
+    LaneArray open, aims;  // n x W: residuals in the drawing, and at the end of the step
+  };
+  explicit WalkInLanes(std::size_t lanes) : w_(lanes), lanes_(lanes), used_(lanes) {}
+  void begin_step(std::size_t lane, Drivers& drivers);
+  void end_step(std::size_t lane, Drivers& drivers);
+  void run(Part& part);
+  void get(std::size_t lane, const LaneArray& rows);
+  void put(std::size_t lane, LaneArray& rows, const std::vector<double>& numbers) const;
+  [[nodiscard]] bool holds(std::size_t lane, Drivers& drivers);
+
+  std::size_t w_;
+  std::vector<Step> steps_;
+  std::vector<Part> parts_;
+  std::vector<std::int32_t> known_, positive_;  // coordinates
   std::vector<Lane> lanes_;
-  std::optional<Tile> tile_;
-  std::size_t members_ = 0;
-  double at_ = 0;  // s
-  Stride stride_;
+  LaneArray from_, to_, strays_;  // coordinates x W
+  LaneArray used_;                // W: largest WalkSlots::used of the parts
+  // Of a part: its inputs in the end and now, and how far they may leave their chord; its unknowns now and in the end;
+  // residuals now; one row for each of the two figures; work.
+  LaneArray inputs_, from_inputs_, stray_inputs_, unknowns_, solved_, open_, stray_, use_, work_;
+  std::vector<double> constants_, one_, one_strays_;  // of one lane
 };
 
 }  // namespace assur

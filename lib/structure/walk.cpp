@@ -471,16 +471,7 @@ class Walk {
       vanished_ = p.driver;
       return false;
     }
-    if (!way_.open.empty()) return true;
-    for (std::size_t i = 0; i < s_.inputs.size(); ++i) {
-      const DriverInput& in = s_.inputs[i];
-      const bool moves = std::any_of(way_.change[i].begin(), way_.change[i].end(), [](double c) { return c != 0; });
-      if (!moves || in.kind == DriverInput::Kind::frame) continue;
-      if (why_undefined(s_, in, q).empty() && !mismatch(s_, in, q, kDriverSlack)) continue;
-      vanished_ = in.driver;
-      return false;
-    }
-    return true;
+    return !way_.open.empty() || assur::drivers_hold(s_, way_, q, &vanished_);
   }
 
   // Passes a change point by the smooth continuation: a cubic through four postures before it predicts a posture behind
@@ -587,6 +578,18 @@ void set_strays(const System& s, const Way& way, double share, std::vector<doubl
     for (const Term& t : s.form(a.form)) sum += std::abs(s.constants[idx(t.constant)]) * off[idx(t.coordinate)];
     off[idx(a.coordinate)] = sum;
   }
+}
+
+bool drivers_hold(const System& s, const Way& way, const std::vector<double>& q, Index* driver) {
+  for (std::size_t i = 0; i < s.inputs.size(); ++i) {
+    const DriverInput& in = s.inputs[i];
+    const bool moves = std::any_of(way.change[i].begin(), way.change[i].end(), [](double c) { return c != 0; });
+    if (!moves || in.kind == DriverInput::Kind::frame) continue;
+    if (why_undefined(s, in, q).empty() && !mismatch(s, in, q, kDriverSlack)) continue;
+    if (driver != nullptr) *driver = in.driver;
+    return false;
+  }
+  return true;
 }
 
 Walked walk(const System& system, const std::vector<WalkedPart>& parts, const Way& way, std::vector<double>& q) {

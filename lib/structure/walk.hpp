@@ -29,6 +29,10 @@ struct Way {
 // second derivative. off: coordinates, of which those of inputs and assignments are set.
 void set_strays(const System& system, const Way& way, double share, std::vector<double>& off);
 
+// False if a driver that moves has not its value at q any more, because its direction has vanished.
+[[nodiscard]] bool drivers_hold(const System& system, const Way& way, const std::vector<double>& q,
+                                Index* driver = nullptr);  // driver: receives this one
+
 // The end of a walk.
 struct Walked {
   enum class End : std::uint8_t {

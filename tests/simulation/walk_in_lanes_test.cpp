@@ -1,14 +1,13 @@
 // Ways to the start that lanes follow side by side, beside those that mechanisms follow alone.
 #include "side_by_side/walk_in_lanes.hpp"
 
-#include "side_by_side/close_in_lanes.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -58,10 +57,10 @@ struct Case {
   std::vector<double> q;  // as written
 };
 
-DriverValues at_end(const Way& way) {
+DriverValues at(const Way& way, double share) {
   DriverValues out = way.from;
   for (std::size_t i = 0; i < out.size(); ++i) {
-    for (std::size_t k = 0; k < out[i].size(); ++k) out[i][k] += way.change[i][k];
+    for (std::size_t k = 0; k < out[i].size(); ++k) out[i][k] += share * way.change[i][k];
   }
   return out;
 }
@@ -79,35 +78,70 @@ bool alike(const System& a, const System& b) {
          std::equal(a.products.begin(), a.products.end(), b.products.begin(), b.products.end(), same_product);
 }
 
+// The drivers of mechanisms in lanes.
+struct Drivers final : WalkInLanes::Drivers {
+  explicit Drivers(std::span<const Case> of) : cases(of) {}
+  void move(std::size_t lane, double before, double share, std::vector<double>& q,
+            std::vector<double>& strays) override {
+    const Case& c = cases[lane];
+    set_strays(c.system, c.way, share - before, strays);
+    drive_by_values(c.system, at(c.way, share), q);
+  }
+  bool hold(std::size_t lane, const std::vector<double>& q) override {
+    return drivers_hold(cases[lane].system, cases[lane].way, q);
+  }
+
+  std::span<const Case> cases;
+};
+
+// Where a mechanism is at its start, by two walks of its own; empty if one of them does not arrive.
+std::vector<double> walked(const Case& c) {
+  std::vector<double> q = c.q;
+  if (walk(c.system, c.parts, closing_way(c.system, c.parts, q), q).end != Walked::End::arrived) return {};
+  if (walk(c.system, c.parts, c.way, q).end != Walked::End::arrived) return {};
+  return q;
+}
+
+void follow(WalkInLanes& lanes, std::span<const Case> cases) {
+  for (std::size_t i = 0; i < cases.size(); ++i) lanes.set(i, cases[i].system, cases[i].q, true);
+  Drivers drivers(cases);
+  lanes.run(drivers);
+}
+
 struct Compared {
   int arrived = 0, arrived_alone = 0;
 };
 
-// Walks all cases side by side, and each one alone. Those that arrive side by side are then at the end of their way.
-Compared compare(std::vector<Case>& cases, WalkInLanes& lanes, bool closes) {
+// Follows all cases side by side, and each one alone. Those that arrive side by side are where they arrive alone.
+Compared compare(const std::vector<Case>& cases) {
   Compared out;
-  lanes.clear();
-  std::vector<Way> ways;
-  for (Case& c : cases) {
-    ways.push_back(closes ? closing_way(c.system, c.parts, c.q) : c.way);
-    lanes.add(c.system, ways.back(), c.q);
+  std::vector<std::vector<double>> alone;
+  for (const Case& c : cases) {
+    alone.push_back(walked(c));
+    out.arrived_alone += alone.back().empty() ? 0 : 1;
   }
-  lanes.run();
+  const auto first = std::find_if(alone.begin(), alone.end(), [](const auto& q) { return !q.empty(); });
+  if (first == alone.end()) return out;
+  const Case& of = cases[static_cast<std::size_t>(first - alone.begin())];
+  const auto lanes = WalkInLanes::make(of.system, of.parts, *first, kLanes, nullptr);
+  if (!lanes) {
+    ADD_FAILURE() << "there are no lanes";
+    return out;
+  }
+  follow(*lanes, cases);
   for (std::size_t i = 0; i < cases.size(); ++i) {
-    Case& c = cases[i];
-    std::vector<double> q = c.q;
-    const bool alone = walk(c.system, c.parts, ways[i], q).end == Walked::End::arrived;
-    out.arrived_alone += alone ? 1 : 0;
-    if (!lanes.arrived(i)) continue;
+    if (!lanes->arrived(i)) continue;
     ++out.arrived;
-    EXPECT_TRUE(alone) << "mechanism " << i;
-    for (const WalkedPart& p : c.parts) {
+    if (alone[i].empty()) {
+      ADD_FAILURE() << "mechanism " << i << " does not arrive alone";
+      continue;
+    }
+    for (const WalkedPart& p : cases[i].parts) {
       for (const Index u : p.unknowns) {
-        const auto k = static_cast<std::size_t>(u);
-        EXPECT_NEAR(lanes.posture(i)[k], q[k], 1e-11) << "mechanism " << i << ", " << c.system.coordinate_name(u);
+        EXPECT_NEAR(lanes->at(idx(u), i), alone[i][idx(u)], 1e-11)
+            << "mechanism " << i << ", " << cases[i].system.coordinate_name(u);
       }
     }
-    c.q = q;
   }
   return out;
 }
@@ -129,19 +163,19 @@ Scene four_bar(test::Draw& draw, double turn) {
 
 TEST(WalkInLanes, EndsWhereEachMechanismEndsAlone) {
   test::Draw draw(1);
-  int arrived = 0, alone = 0;
-  for (int round = 0; round < 40; ++round) {
-    std::vector<Case> cases;
-    for (int i = 0; i < kLanes; ++i) cases.emplace_back(four_bar(draw, draw.real(-2.5, 2.5)), 0);
-    WalkInLanes lanes(cases[0].system, cases[0].parts, kLanes);
-    const Compared closing = compare(cases, lanes, true);
-    EXPECT_EQ(closing.arrived, kLanes);
-    const Compared moving = compare(cases, lanes, false);
-    arrived += moving.arrived;
-    alone += moving.arrived_alone;
+  for (const double most : {0.2, 2.5}) {
+    SCOPED_TRACE(most);
+    int arrived = 0, alone = 0;
+    for (int round = 0; round < 40; ++round) {
+      std::vector<Case> cases;
+      for (int i = 0; i < kLanes; ++i) cases.emplace_back(four_bar(draw, draw.real(-most, most)), 0);
+      const Compared both = compare(cases);
+      arrived += both.arrived;
+      alone += both.arrived_alone;
+    }
+    EXPECT_GT(alone, 40 * kLanes * 3 / 4);
+    EXPECT_GE(arrived, alone * 0.9);
   }
-  EXPECT_GT(alone, 40 * kLanes * 3 / 4);
-  EXPECT_GE(arrived, alone * 0.9);
 }
 
 TEST(WalkInLanes, FollowsRandomMechanisms) {
@@ -160,12 +194,10 @@ TEST(WalkInLanes, FollowsRandomMechanisms) {
         }
       }
       if (cases.size() < kLanes) continue;
-      WalkInLanes lanes(cases[0].system, cases[0].parts, kLanes);
-      EXPECT_EQ(compare(cases, lanes, true).arrived, kLanes);
-      const Compared moving = compare(cases, lanes, false);
+      const Compared both = compare(cases);
       mechanisms += kLanes;
-      arrived += moving.arrived;
-      alone += moving.arrived_alone;
+      arrived += both.arrived;
+      alone += both.arrived_alone;
     }
   }
   EXPECT_GE(mechanisms, 400);
@@ -190,111 +222,27 @@ TEST(WalkInLanes, LeavesAMechanismThatMeetsAFold) {
                       .time(0, 1, 0.5)
                       .build(),
                   0);
-  WalkInLanes lanes(cases[0].system, cases[0].parts, kLanes);
-  EXPECT_EQ(compare(cases, lanes, true).arrived, kLanes);
-  const Compared moving = compare(cases, lanes, false);
-  EXPECT_EQ(moving.arrived, kLanes - 1);
-  EXPECT_EQ(moving.arrived_alone, kLanes - 1);
-  EXPECT_FALSE(lanes.arrived(3));
+  EXPECT_TRUE(walked(cases[3]).empty());
+  const Compared both = compare(cases);
+  EXPECT_EQ(both.arrived, kLanes - 1);
+  EXPECT_EQ(both.arrived_alone, kLanes - 1);
 }
 
-// Where each mechanism is at its start, by two walks of its own; empty if one of them does not arrive.
-std::vector<double> walked(const Case& c) {
-  std::vector<double> q = c.q;
-  if (walk(c.system, c.parts, closing_way(c.system, c.parts, q), q).end != Walked::End::arrived) return {};
-  if (walk(c.system, c.parts, c.way, q).end != Walked::End::arrived) return {};
-  return q;
-}
-
-void set(CloseInLanes& lanes, std::size_t lane, const Case& c) {
-  std::vector<double> end = c.q, strays(c.q.size());
-  drive_by_values(c.system, at_end(c.way), end);
-  set_strays(c.system, c.way, 1, strays);
-  lanes.set(lane, c.system, c.q);
-  lanes.move(lane, end, strays);
-}
-
-// Every start that is proven is that of the walks. Returns the number of proofs.
-int expect_proven_starts_of_walks(const std::vector<Case>& cases) {
-  const std::vector<double> first = walked(cases[0]);
-  if (first.empty()) return 0;
-  const std::unique_ptr<CloseInLanes> lanes =
-      CloseInLanes::make(cases[0].system, cases[0].parts, first, kLanes, nullptr);
-  if (!lanes) return 0;
-  for (std::size_t i = 0; i < cases.size(); ++i) set(*lanes, i, cases[i]);
-  lanes->run();
-  int proven = 0;
-  for (std::size_t i = 0; i < cases.size(); ++i) {
-    if (!lanes->has_arrived(i)) continue;
-    ++proven;
-    const std::vector<double> q = walked(cases[i]);
-    if (q.empty()) {
-      ADD_FAILURE() << "mechanism " << i << " does not arrive alone";
-      continue;
-    }
-    for (const WalkedPart& p : cases[i].parts) {
-      for (const Index u : p.unknowns) {
-        EXPECT_NEAR(lanes->at(idx(u), i), q[idx(u)], 1e-10)
-            << "mechanism " << i << ", " << cases[i].system.coordinate_name(u);
-      }
-    }
-  }
-  return proven;
-}
-
-TEST(CloseInLanes, ProvesStartsOfWalksOnly) {
-  test::Draw draw(3);
-  int near = 0, far = 0;
-  for (int round = 0; round < 60; ++round) {
-    for (const double most : {0.2, 2.5}) {
-      std::vector<Case> cases;
-      for (int i = 0; i < kLanes; ++i) cases.emplace_back(four_bar(draw, draw.real(-most, most)), 0);
-      (most < 1 ? near : far) += expect_proven_starts_of_walks(cases);
-    }
-  }
-  EXPECT_GE(near, 60 * kLanes / 4);
-  EXPECT_LT(far, near);
-}
-
-TEST(CloseInLanes, ProvesStartsOfRandomMechanisms) {
-  int proven = 0, mechanisms = 0;
-  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
-    for (const bool in_space : {false, true}) {
-      SCOPED_TRACE("seed " + std::to_string(seed) + (in_space ? ", in space" : ", in the plane"));
-      std::vector<Case> cases;
-      for (std::uint64_t i = 0; i < kLanes; ++i) {
-        test::Draw draw(seed, 0.02, i);
-        cases.emplace_back(in_space ? test::spatial_mechanism(draw) : test::planar_mechanism(draw), 0.02);
-        if (!alike(cases[i].system, cases[0].system)) {
-          cases.pop_back();
-          break;
-        }
-      }
-      if (cases.size() < kLanes) continue;
-      mechanisms += kLanes;
-      proven += expect_proven_starts_of_walks(cases);
-    }
-  }
-  EXPECT_GE(mechanisms, 400);
-  EXPECT_GE(proven, mechanisms / 4);
-}
-
-TEST(CloseInLanes, BitsDependOnNothingElse) {
+TEST(WalkInLanes, BitsDependOnNothingElse) {
   test::Draw draw(4);
   std::vector<Case> cases;
-  for (int i = 0; i < 16; ++i) cases.emplace_back(four_bar(draw, draw.real(-0.1, 0.1)), 0);
+  for (int i = 0; i < 16; ++i) cases.emplace_back(four_bar(draw, draw.real(-1.5, 1.5)), 0);
   const std::vector<double> first = walked(cases[0]);
   const auto code = step_code();
   std::vector<std::vector<double>> expected(16);
-  for (const int w : {16, 8, 4, 2, 1}) {
+  for (const std::size_t w : {16u, 8u, 4u, 2u, 1u}) {
     for (StepCode* const by : {static_cast<StepCode*>(nullptr), code.get()}) {
-      const auto lanes = CloseInLanes::make(cases[0].system, cases[0].parts, first, w, by);
+      const auto lanes = WalkInLanes::make(cases[0].system, cases[0].parts, first, static_cast<int>(w), by);
       ASSERT_TRUE(lanes);
-      for (std::size_t i = 0; i < 16; i += idx(w)) {
-        for (std::size_t l = 0; l < idx(w); ++l) set(*lanes, l, cases[i + l]);
-        lanes->run();
-        for (std::size_t l = 0; l < idx(w); ++l) {
-          std::vector<double> q = {lanes->has_arrived(l) ? 1.0 : 0.0};
+      for (std::size_t i = 0; i < 16; i += w) {
+        follow(*lanes, std::span(cases).subspan(i, w));
+        for (std::size_t l = 0; l < w; ++l) {
+          std::vector<double> q = {lanes->arrived(l) ? 1.0 : 0.0};
           for (std::size_t c = 0; c < first.size(); ++c) q.push_back(lanes->at(c, l));
           if (expected[i + l].empty()) expected[i + l] = q;
           EXPECT_EQ(q, expected[i + l]) << "mechanism " << i + l << " in " << w << " lanes";

@@ -1,5 +1,6 @@
-#include "program/closing_step.hpp"
+#include "program/walk_step.hpp"
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -8,6 +9,7 @@
 #include "numbers.hpp"
 #include "program/graph.hpp"
 #include "program/linear_steps.hpp"
+#include "program/small_inverse-inl.hpp"
 
 namespace assur {
 namespace {
@@ -16,16 +18,84 @@ namespace {
 constexpr int kMostCorrections = 10;
 constexpr double kCorrected = 1e-10;      // internal units; Newton's next correction is far below rounding
 constexpr double kRoundingOnly = 1e-6;    // corrections below this that no longer fall are rounding
-constexpr double kSurest = 0.8;           // of the bound of the test
+constexpr double kMostUsed = 1e6;         // a larger part of the bound counts as infinite
+
+using Values = std::vector<Value>;
+
+// The inverse of the Jacobian: of up to three unknowns by cofactors, which need no pivots.
+class Inverse {
+ public:
+  Inverse(const Pattern& pattern, const lanes::Elimination& elimination)
+      : pattern_(pattern), n_(idx(pattern.n)), linear_(pattern, elimination) {}
+
+  // Returns a positive number where it is not exact.
+  [[nodiscard]] Value invert(const Values& nonzeros) {
+    switch (n_) {
+      case 1:
+        one_ = kAll / nonzeros[0];
+        return exceeds(one_ - one_, kNone);
+      case 2:
+        return invert(two_, nonzeros);
+      case 3:
+        return invert(three_, nonzeros);
+      default:
+        return linear_.factorize(nonzeros);
+    }
+  }
+  [[nodiscard]] Values solve(const Values& b) const {
+    switch (n_) {
+      case 1:
+        return {one_ * b[0]};
+      case 2:
+        return solve(two_, b);
+      case 3:
+        return solve(three_, b);
+      default:
+        return linear_.solve(b);
+    }
+  }
+  [[nodiscard]] Values column(std::size_t e) const {
+    Values unit(n_);
+    unit[e] = kAll;
+    return solve(unit);
+  }
+
+ private:
+  template <int N>
+  using Small = HWY_NAMESPACE::SmallInverse<Value, N>;
+  template <int N>
+  Value invert(Small<N>& inverse, const Values& nonzeros) const {
+    Value a[N][N];
+    for (std::int32_t c = 0; c < N; ++c) {
+      for (std::int32_t k = pattern_.column_start[idx(c)]; k < pattern_.column_start[idx(c) + 1]; ++k) {
+        a[pattern_.row[idx(k)]][c] = nonzeros[idx(k)];
+      }
+    }
+    return inverse.invert(a);
+  }
+  template <int N>
+  static Values solve(const Small<N>& inverse, const Values& b) {
+    Value right[N], x[N];
+    std::copy_n(b.begin(), N, right);
+    inverse.solve(right, x);
+    return {x, x + N};
+  }
+
+  const Pattern& pattern_;
+  std::size_t n_;
+  Value one_;
+  Small<2> two_;
+  Small<3> three_;
+  LinearSteps linear_;
+};
 
 class Writer {
   using Equations = HWY_NAMESPACE::QuadraticEquations<Value>;
-  using Values = std::vector<Value>;
   using Registers = Values;
 
  public:
   Writer(const Program& equations, const lanes::Elimination& elimination)
-      : p_(equations), n_(idx(equations.n)), linear_(p_.pattern, elimination) {}
+      : p_(equations), n_(idx(equations.n)), inverse_(p_.pattern, elimination) {}
 
   [[nodiscard]] StepProgram write() {
     StepProgram out;
@@ -66,8 +136,8 @@ class Writer {
     for (std::size_t i = 0; i < idx(p_.inputs); ++i) out.inputs.push_back(load(inputs, i));
     return out;
   }
-  [[nodiscard]] Posture drawing() { return posture(ClosingSlots::drawn, ClosingSlots::drawn_inputs); }
-  [[nodiscard]] Posture here() { return posture(Memory::work, ClosingSlots::inputs); }
+  [[nodiscard]] Posture begin_of_chord() { return posture(WalkSlots::from, WalkSlots::from_inputs); }
+  [[nodiscard]] Posture end_of_chord() { return posture(Memory::work, WalkSlots::inputs); }
 
   // Residuals at a posture.
   [[nodiscard]] Values residuals(Equations& equations, const Posture& at) {
@@ -84,7 +154,7 @@ class Writer {
   }
 
   void begin() {
-    for (std::size_t j = 0; j < n_; ++j) graph_.store(slot(Memory::work, j), load(ClosingSlots::drawn, j));
+    for (std::size_t j = 0; j < n_; ++j) graph_.store(slot(Memory::work, j), load(WalkSlots::from, j));
     keep(kActive, kAll);
     keep(kFailed, kNone);
     keep(kLast, Value::set(kInfinity));
@@ -94,11 +164,13 @@ class Writer {
   // One of Newton's corrections, in lanes that are active.
   void correct() {
     Equations equations(p_);
-    const Posture at = here();
-    const Values phi = residuals(equations, at), matrix = jacobian(equations);
+    const Posture at = end_of_chord();
+    Values phi = residuals(equations, at);
+    for (std::size_t i = 0; i < n_; ++i) phi[i] = phi[i] - load(WalkSlots::aims, i);
+    const Values matrix = jacobian(equations);
     const Value active = work(kActive);
-    Value failed = work(kFailed) + active * linear_.factorize(matrix);
-    const Values by = linear_.solve(phi);
+    Value failed = work(kFailed) + active * inverse_.invert(matrix);
+    const Values by = inverse_.solve(phi);
     const Value size = largest_of(by), slow = exceeds(size, Value::set(0.5) * work(kLast));
     const Value done = work(kCorrections) + active;
     failed = failed + active * slow * exceeds(size, Value::set(kRoundingOnly)) + active * exceeds(size - size, kNone);
@@ -164,36 +236,40 @@ class Writer {
   // See Walk::test() in structure/walk.cpp: with the inverse C of the Jacobian in the middle of the chord,
   //   Y = |C residuals of the chord| + |C residuals at its end| + |C| |change by inputs off their chords|,
   //   Z = |C| |change of the Jacobian along the chord|, B = |C| |that within a ball of radius 1|,
-  // the proof needs Z + 2 sqrt(B Y) < 1. Its residuals on the chord are those of its ends and 4 t (1 - t) times those in
-  // the middle, and those of the drawing count as 0.
+  // the proof needs Z + 2 sqrt(B Y) < 1. Residuals are those beyond the ones that the way has there: none where the
+  // chord begins. Along it they are those of its end, and 4 t (1 - t) times those in the middle.
   void test() {
-    const Posture drawn = drawing(), closed = here();
+    const Posture from = begin_of_chord(), to = end_of_chord();
     Equations equations(p_);
-    const Values open = residuals(equations, drawn), left = residuals(equations, closed);
+    const Values open = residuals(equations, from);
+    Values left = residuals(equations, to);
     Posture middle;
     Values half, half_inputs, strays, none(n_), units(n_, kAll), no_inputs(idx(p_.inputs));
-    const auto go = [](const Value& from, const Value& to, Values& at, Values& by) {
-      by.push_back(Value::set(0.5) * (to - from));
-      at.push_back(from + by.back());
+    const auto go = [](const Value& begin, const Value& end, Values& at, Values& by) {
+      by.push_back(Value::set(0.5) * (end - begin));
+      at.push_back(begin + by.back());
       by.back() = abs(by.back());
     };
-    for (std::size_t j = 0; j < n_; ++j) go(drawn.unknowns[j], closed.unknowns[j], middle.unknowns, half);
+    for (std::size_t j = 0; j < n_; ++j) go(from.unknowns[j], to.unknowns[j], middle.unknowns, half);
     for (std::size_t i = 0; i < no_inputs.size(); ++i) {
-      go(drawn.inputs[i], closed.inputs[i], middle.inputs, half_inputs);
-      strays.push_back(load(ClosingSlots::strays, i));
+      go(from.inputs[i], to.inputs[i], middle.inputs, half_inputs);
+      strays.push_back(load(WalkSlots::strays, i));
       half_inputs[i] = half_inputs[i] + strays[i];
     }
     Values chord = residuals(equations, middle);
-    for (std::size_t i = 0; i < n_; ++i) chord[i] = chord[i] - Value::set(0.5) * open[i];
-    Value failed = work(kFailed) + linear_.factorize(jacobian(equations));
+    for (std::size_t i = 0; i < n_; ++i) {
+      const Value aim = load(WalkSlots::aims, i);
+      chord[i] = chord[i] - Value::set(0.5) * (open[i] + aim);
+      left[i] = left[i] - aim;
+      graph_.store(slot(WalkSlots::open, i), open[i]);
+    }
+    const Value failed = work(kFailed) + inverse_.invert(jacobian(equations));
     const Registers along = changes(half, half_inputs), beside = changes(none, strays);
     const Values by_chord = row_changes(along), by_ball = row_changes(changes(units, no_inputs)),
                  by_inputs = input_changes(equations, along, beside);
     Values of_chord(n_), of_end(n_), y(n_), z(n_), b(n_);
     for (std::size_t e = 0; e < n_; ++e) {
-      Values unit(n_);
-      unit[e] = kAll;
-      const Values column = linear_.solve(unit);
+      const Values column = inverse_.column(e);
       for (std::size_t r = 0; r < n_; ++r) {
         of_chord[r].add_product(column[r], chord[e]);
         of_end[r].add_product(column[r], left[e]);
@@ -204,23 +280,24 @@ class Writer {
     }
     const Value of_y = largest_of(of_chord) + largest_of(of_end) + largest_of(y), of_z = largest_of(z),
                 of_b = largest_of(b);
-    failed = failed + exceeds(of_z + Value::set(2) * sqrt(of_b * of_y), Value::set(kSurest));
+    const Value used = of_z + Value::set(2) * sqrt(of_b * of_y);
     const Value rest = kAll - of_z;
     const Value radius = Value::set(2) * of_y / (rest + sqrt(rest * rest - Value::set(4) * (of_b * of_y)));
-    for (std::size_t j = 0; j < n_; ++j) graph_.store(slot(ClosingSlots::closed, j), closed.unknowns[j]);
-    graph_.store(slot(ClosingSlots::stray, 0), radius);
-    graph_.store(slot(ClosingSlots::open, 0), if_at_most(failed, kNone, kNone, kAll));
+    for (std::size_t j = 0; j < n_; ++j) graph_.store(slot(WalkSlots::to, j), to.unknowns[j]);
+    graph_.store(slot(WalkSlots::stray, 0), radius);
+    const Value none_left = Value::set(kInfinity), finite = if_at_most(used, Value::set(kMostUsed), used, none_left);
+    graph_.store(slot(WalkSlots::used, 0), if_at_most(failed, kNone, finite, none_left));
   }
 
   const Program& p_;
   std::size_t n_;
-  LinearSteps linear_;
+  Inverse inverse_;
   Graph graph_;
 };
 
 }  // namespace
 
-StepProgram closing_step(const Program& equations, const lanes::Elimination& elimination) {
+StepProgram walk_step(const Program& equations, const lanes::Elimination& elimination) {
   return Writer(equations, elimination).write();
 }
 
