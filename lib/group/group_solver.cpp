@@ -203,13 +203,13 @@ void GroupSolver::find_code(Pack& pack, bool makes) {
 }
 
 void GroupSolver::count_small_step(const Pack& pack, const double* of_lanes, Counters& counters) const {
-  double sum = 0, most = 0;
+  std::int64_t iterations = 0, most = 0;
   for (std::int32_t l = 0; l < pack.used; ++l) {
-    sum += of_lanes[l];
-    most = std::max(most, of_lanes[l]);
+    const auto of_lane = static_cast<std::int64_t>(of_lanes[l]);
+    iterations += of_lane;
+    most = std::max(most, of_lane);
   }
-  const auto iterations = static_cast<std::int64_t>(sum);
-  counters.most_iterations = std::max(counters.most_iterations, static_cast<std::int64_t>(most));
+  counters.most_iterations = std::max(counters.most_iterations, most);
   const std::int64_t n = work_.program.n, used = pack.used, derivatives = work_.group_class.derivatives;
   const std::int64_t factorizations = iterations + (derivatives > 0 ? used : 0);
   counters.group_solutions += used;
