@@ -119,9 +119,9 @@ class Ensemble {
   // of a pack, and P threads (RunSettings::threads) take packs in turn. Members of another structure share packs among
   // themselves, by the plan of the first of them; a member whose structure no other one has runs alone. So does a
   // member with another start time, which first moves from its own start posture to the first of the times. Members
-  // with callbacks or gears run alone as well, unless they are copies of one Prepared. A member whose outputs differ
-  // from those of the first cannot take part. Throws Error: input for no members, for limits as in Simulator, and for a
-  // deadline among them; environment if a backend of the plan cannot run here.
+  // with callbacks run alone as well, unless they are copies of one Prepared. A member whose outputs differ from those
+  // of the first cannot take part. Throws Error: input for no members, for limits as in Simulator, and for a deadline
+  // among them; environment if a backend of the plan cannot run here.
   Ensemble(std::size_t members, const std::function<Prepared(std::size_t)>& member, StepLimits limits = {});
   // The members are rows of a table: `scene` with other values of its parameters and numbers, as by
   // Scene::with_values(). values[i * names.size() + k] is the value of names[k] in the i-th member. No scene is made
@@ -130,8 +130,8 @@ class Ensemble {
   // there, too, from the guesses that the values give; parts of the mechanism that no output depends on may be left out
   // of this. Members whose start posture does not follow from the guess group by group, or whose equations differ from
   // those of the first member, are prepared one by one when they run, and so are all members of a scene with redundant
-  // equations, gears, or functions of the program; report().fallbacks then gives their number and the reason. All
-  // members use the time grid of prepared(). `options` as in prepare(); otherwise as above, but if no member can be
+  // equations or functions of the program, and of a table of ratios; report().fallbacks then gives their number and the
+  // reason. All members use the time grid of prepared(). `options` as in prepare(); otherwise as above, but if no member can be
   // prepared, the outcomes tell why: the constructor then throws only if the scene as written is refused, too, for
   // another reason than its posture. Throws Error (input) also for an unknown or repeated name, and for values that do
   // not make whole rows. Needs the library assur::assur.

@@ -18,6 +18,7 @@
 #include "scene/scene_source.hpp"
 #include "side_by_side/walk_in_lanes.hpp"
 #include "structure/assembly.hpp"
+#include "structure/class_gears.hpp"
 #include "structure/directions.hpp"
 #include "structure/frame_axes.hpp"
 #include "structure/same_structure.hpp"
@@ -44,7 +45,10 @@ bool same_bits(double a, double b) { return std::bit_cast<std::uint64_t>(a) == s
 // The reason why members of this structure cannot be bound; "": they can.
 std::string why_prepared_alone(const Prepared& p) {
   const Structure& s = *p.structure;
-  if (!s.system->callbacks.empty()) return "the scene has functions of the program or gears";
+  const auto is_gear = [](const CallbackBlock& block) { return gear_of_class(block).has_value(); };
+  if (!std::all_of(s.system->callbacks.begin(), s.system->callbacks.end(), is_gear)) {
+    return "the scene has functions of the program";
+  }
   for (const DriverInput& in : s.system->inputs) {
     for (const Law& law : in.laws) {
       const auto& parts = law.parts();
