@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "assur/law.hpp"
-#include "scene/replay.hpp"
 #include "scene/system.hpp"
 #include "scene/tape.hpp"
+#include "side_by_side/replay.hpp"
 
 namespace assur {
 

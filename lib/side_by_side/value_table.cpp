@@ -77,7 +77,7 @@ bool alike(const Prepared& a, const Prepared& b) {
 // Replays the recorded computation for the members in the lanes of one tile.
 class ValueTable::Binder : public MemberBinder {
  public:
-  Binder(const ValueTable& table, std::size_t lanes) : table_(table), replay_(*table.tape_, wanted_of(table), lanes) {
+  Binder(const ValueTable& table, std::size_t lanes) : table_(table), replay_(*table.tape_, wanted_of(table), lanes, code_for(table, lanes)) {
     const Structure& structure = *table.structure_;
     near_.reserve(structure.system->coordinates.size());
     for (const Group& g : structure.groups) near_.insert(near_.end(), g.unknowns.begin(), g.unknowns.end());
@@ -92,9 +92,8 @@ class ValueTable::Binder : public MemberBinder {
     if (!table.assembly_) return;
     assembly_.emplace(*table.assembly_);
     if (!structure.static_coordinates.empty()) return;
-    StepCode* const code = table.count() >= kWorthCode * lanes ? table.first_->code.get() : nullptr;
     in_lanes_ = WalkInLanes::make(assembly_->system, table.assembly_->parts, structure.start, static_cast<int>(lanes),
-                                  code);
+                                  code_for(table, lanes));
   }
 
   void bind(std::span<const std::size_t> members, std::span<const Variant*> variants) override {
@@ -291,6 +290,9 @@ class ValueTable::Binder : public MemberBinder {
     return others;
   }
 
+  static StepCode* code_for(const ValueTable& table, std::size_t lanes) {
+    return table.count() >= kWorthCode * lanes ? table.first_->code.get() : nullptr;
+  }
   static std::vector<Tape::Node> wanted_of(const ValueTable& table) {
     std::vector<Tape::Node> wanted = table.recipe_->wanted();
     if (!table.assembly_) return wanted;

@@ -9,9 +9,9 @@
 
 #include "assur/plan.hpp"
 #include "assur/scene.hpp"
-#include "scene/replay.hpp"
 #include "side_by_side/bound_members.hpp"
 #include "side_by_side/recipe.hpp"
+#include "side_by_side/replay.hpp"
 #include "structure/at_rest.hpp"
 #include "structure/walk.hpp"
 
