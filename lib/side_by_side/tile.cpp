@@ -30,7 +30,7 @@ Tile::Tile(const Prepared& prepared, const StepLimits& limits)
       together_(angles_together(*structure_->system, *structure_)),
       columns_(column_names(*structure_->system)),
       outputs_(idx(lanes_), OutputProgram(*structure_->system, layout_.address)),
-      output_steps_(outputs_, prepared.code.get()),
+      output_steps_(outputs_, prepared.code),
       rows_(columns_.size() * idx(lanes_)),
       divisors_(outputs_[0].measures() * idx(lanes_)),
       turns_(outputs_),

@@ -19,7 +19,7 @@ class OutputSteps {
   // Of one mechanism, whose program does not change. Null if it has no code.
   [[nodiscard]] static std::unique_ptr<OutputSteps> of_one(const OutputProgram& outputs, StepCode& code);
   // One program for each lane; they must outlive this object. code: null if there is none
-  OutputSteps(std::span<const OutputProgram> outputs, StepCode* code);
+  OutputSteps(std::span<const OutputProgram> outputs, std::shared_ptr<StepCode> code);
 
   // To be called when programs of lanes have changed. used: number of lanes with mechanisms; the others repeat the
   // first.
@@ -47,7 +47,9 @@ class OutputSteps {
   std::span<const OutputProgram> outputs_;
   std::size_t used_ = 1;
   std::shared_ptr<const Executor> values_, arms_;  // null: they have nothing to do, or too much
-  std::unique_ptr<const Executor> changes_;        // null: it was not needed yet
+  std::shared_ptr<const Executor> changes_;        // null: it was not needed yet
+  std::shared_ptr<StepCode> code_;                 // for changes_, if they are needed often
+  int changed_ = 0;                                // number of differentiate()
   LaneArray roundings_;                            // x W
   bool has_others_ = true;                         // measures that are not in the programs
   bool is_alike_ = true;                           // the programs of all lanes have one shape
