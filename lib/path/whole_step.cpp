@@ -11,11 +11,11 @@
 namespace assur {
 
 std::unique_ptr<WholeStep> WholeStep::make(Layout& layout, DriveProgram* drivers, const State& state, StepCode& code,
-                                           std::size_t first) {
+                                           std::size_t first, int lanes) {
   constexpr std::size_t kLeast = 100;  // instructions of a group
   std::unique_ptr<WholeStep> out(new WholeStep(layout, drivers, first));
   if (out->packs_.empty() || kLeast * out->packs_.size() > kMostInstructions) return nullptr;
-  MechanismOutline outline{drivers != nullptr ? drivers->outline() : DrivenOutline{}, state.weights(), {}};
+  MechanismOutline outline{drivers != nullptr ? drivers->outline(lanes) : DrivenOutline{}, state.weights(), {}, lanes};
   for (const Pack& pack : out->packs_) {
     const GroupSolver& s = out->solver(pack);
     if (!s.has_small_step()) return nullptr;
@@ -34,7 +34,7 @@ std::unique_ptr<WholeStep> WholeStep::make(Layout& layout, DriveProgram* drivers
     anchors.code = code.of(anchor_program(s.group_class(), s.program(), s.blocks().reads(0)), s.lanes());
     if (!anchors.code) return nullptr;
   }
-  out->factors_.assign(step.factors.begin(), step.factors.end());
+  out->lanes_ = lanes;
   out->weights_ = outline.weights;
   out->reserve(step.work);
   return out;
@@ -54,14 +54,7 @@ void WholeStep::reserve(std::size_t work) {
   of_lanes_.assign(all_lanes * kGroupFigures, 0.0);
   figures_.resize(packs.size());
   memory_.assign(packs.size() * kMemories, nullptr);
-  if (drivers_ != nullptr) {
-    at(Memory::laws) = drivers_->jets(0);
-    at(Memory::law_rates) = drivers_->jets(1);
-    at(Memory::law_accelerations) = drivers_->jets(2);
-    at(Memory::sines) = drivers_->sines();
-    at(Memory::cosines) = drivers_->cosines();
-  }
-  at(Memory::factors) = factors_.data();
+  take_drivers();
   at(kUndefined.memory) = &undefined_;
   double *next = inputs_.data(), *figures = of_lanes_.data();
   for (std::size_t p = 0; p < packs.size(); ++p) {
@@ -76,6 +69,20 @@ void WholeStep::reserve(std::size_t work) {
     at(Memory::figures, p) = figures_[p].of_lanes;
     point_to(packs[p], &at(Memory{}, p));
   }
+}
+
+void WholeStep::take_drivers() {
+  if (drivers_ == nullptr) return;
+  at(Memory::laws) = drivers_->jets(0);
+  at(Memory::law_rates) = drivers_->jets(1);
+  at(Memory::law_accelerations) = drivers_->jets(2);
+  at(Memory::sines) = drivers_->sines();
+  at(Memory::cosines) = drivers_->cosines();
+  factors_.clear();
+  for (const DrivenOutline::Sum& sum : drivers_->outline(lanes_).sums) {
+    for (const DrivenOutline::Term& term : sum.terms) factors_.push_back(term.factor);
+  }
+  at(Memory::factors) = factors_.data();
 }
 
 void WholeStep::take_rest(const double* state) {

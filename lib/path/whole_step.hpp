@@ -21,14 +21,16 @@ namespace assur {
 
 class WholeStep {
  public:
-  // Null if there is no such code: for a group that has no small step, or if it would be too long. All must outlive it,
-  // and the drivers must not change. drivers: null if run() finds the known coordinates at hand. first: packs before
-  // this one are at rest
+  // Null if there is no such code: for a group that has no small step, or if it would be too long. All must outlive it.
+  // drivers: null if run() finds the known coordinates at hand; their structure must not change. first: packs before this one are at rest. lanes: of
+  // mechanisms side by side, all of which have these drivers
   [[nodiscard]] static std::unique_ptr<WholeStep> make(Layout& layout, DriveProgram* drivers, const State& state,
-                                                       StepCode& code, std::size_t first = 0);
+                                                       StepCode& code, std::size_t first = 0, int lanes = 1);
 
   // To be called when coordinates at rest may have changed.
   void forget() { knows_rest_ = false; }
+  // To be called when numbers of the drivers may have changed.
+  void take_drivers();
 
   // Tries the step to a time for which the laws are evaluated. True: the state at hand is solved, and finish() must
   // follow if nothing speaks against it. False: its unknowns, and known coordinates that it computes, are unspecified.
@@ -71,6 +73,7 @@ class WholeStep {
   std::size_t first_;
   std::shared_ptr<const Executor> code_;
   std::size_t weights_ = 0;       // of the prediction
+  int lanes_ = 1;                 // see make()
   LaneArray factors_, work_;      // memory of the code
   LaneArray inputs_;              // of all groups
   LaneArray of_lanes_;            // figures of all groups

@@ -30,7 +30,7 @@ class Writer {
         drive(graph);
         if (reads_driven_apart(g)) {  // which must be stored first
           out_.program.phases.push_back(graph.phase());
-          out_.program.phases.back().lanes = 1;
+          out_.program.phases.back().lanes = of_.lanes;
           driven_.clear();
           graph = {};
         }
@@ -56,6 +56,12 @@ class Writer {
     return of_.groups[group].inputs.subspan(idx(input) * w, w);
   }
   static Slot one(Memory memory, std::int32_t index) { return {memory, static_cast<std::uint32_t>(index), Reach::one}; }
+  // A coordinate.
+  [[nodiscard]] Slot coordinate(std::size_t derivative, std::int32_t address) const {
+    Slot slot = one(kState[derivative], address);
+    if (of_.lanes > 1) slot.reach = Reach::from;
+    return slot;
+  }
   static bool moves(const MechanismOutline::Groups& groups, std::int32_t input) {
     return groups.group_class.input_moves[idx(input)] != 0;
   }
@@ -84,13 +90,13 @@ class Writer {
     }
     const auto put = [&](std::int32_t address, const Jet<Value>& at) {
       driven_[address] = at;
-      for (std::size_t k = 0; k < 3; ++k) graph.store(one(kState[k], address), at.*kParts[k]);
+      for (std::size_t k = 0; k < 3; ++k) graph.store(coordinate(k, address), at.*kParts[k]);
     };
     for (const DrivenOutline::Copy& c : d.copies) put(c.address, c.slot < d.laws ? law(c.slot) : of_slot.at(c.slot));
     for (const DrivenOutline::Sum& s : d.sums) {
       Jet<Value> total;
       for (const DrivenOutline::Term& t : s.terms) {
-        const Value factor = graph.load(one(Memory::factors, add_factor(t.factor)));
+        const Value factor = graph.load(one(Memory::factors, factor_++));
         const Jet<Value> at = state(graph, t.address);
         for (const auto part : kParts) total.*part = total.*part + factor * (at.*part);
       }
@@ -102,15 +108,10 @@ class Writer {
     }
     graph.store(kUndefined, sum - sum);
   }
-  // The same number for all lanes.
+  // The same number for all lanes of one mechanism.
   [[nodiscard]] Jet<Value> state(Graph& graph, std::int32_t address) const {
     if (const auto driven = driven_.find(address); driven != driven_.end()) return driven->second;
-    return {graph.load(one(kState[0], address)), graph.load(one(kState[1], address)),
-            graph.load(one(kState[2], address))};
-  }
-  std::int32_t add_factor(double factor) {
-    out_.factors.push_back(factor);
-    return static_cast<std::int32_t>(out_.factors.size()) - 1;
+    return {graph.load(coordinate(0, address)), graph.load(coordinate(1, address)), graph.load(coordinate(2, address))};
   }
 
   // ---- groups
@@ -153,6 +154,7 @@ class Writer {
   }
   // True if lanes read different driven coordinates.
   [[nodiscard]] bool reads_driven_apart(std::size_t group) const {
+    if (of_.lanes > 1) return false;
     for (std::int32_t i = 0; i < of_.groups[group].group_class.inputs; ++i) {
       const std::span<const std::int32_t> from = addresses(group, i);
       const auto is_driven = [&](std::int32_t a) { return driven_.count(a) != 0; };
@@ -161,7 +163,7 @@ class Writer {
     return false;
   }
   [[nodiscard]] Jet<Value> gathered(Graph& graph, std::span<const std::int32_t> from) {
-    if (are_apart(from, 0)) return state(graph, from[0]);
+    if (of_.lanes > 1 || are_apart(from, 0)) return state(graph, from[0]);
     Slot slot{Memory::state, static_cast<std::uint32_t>(from[0]), Reach::from};
     if (!are_apart(from, 1)) slot = {Memory::state, add_addresses(from), Reach::scattered};
     Jet<Value> out;
@@ -181,6 +183,7 @@ class Writer {
 
   const MechanismOutline& of_;
   MechanismStep out_;
+  std::int32_t factor_ = 0;  // the next one
   std::map<std::int32_t, Jet<Value>> driven_;  // by address, in the first phase
 };
 

@@ -1,4 +1,5 @@
-// The step of a small mechanism as a program: driven coordinates, predictions and groups, level after level.
+// The step of a small mechanism, or of mechanisms in the lanes of a tile, as a program: driven coordinates, predictions
+// and groups, level after level.
 #pragma once
 
 #include <cstddef>
@@ -35,7 +36,7 @@ struct DrivenOutline {
   std::int32_t laws = 0;
   std::vector<Turn> directions, frames;
   std::vector<Copy> copies;
-  std::vector<Sum> sums;  // in order
+  std::vector<Sum> sums;  // in order; Memory::factors has the factors of all terms
 };
 
 // What the step of a mechanism consists of.
@@ -53,12 +54,13 @@ struct MechanismOutline {
   DrivenOutline driven;
   std::uint32_t weights = 1;   // of the prediction
   std::vector<Groups> groups;  // in solving order
+  // Of mechanisms side by side. Each coordinate then has a row of them; the driven ones are the same in all.
+  int lanes = 1;
 };
 
 struct MechanismStep {
   StepProgram program;
   std::uint32_t work = 0;       // numbers in Memory::work
-  std::vector<double> factors;  // Memory::factors
 };
 
 // NaN if a law is not defined, else 0; among the memories of the first group.

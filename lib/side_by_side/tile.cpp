@@ -26,6 +26,7 @@ Tile::Tile(const Prepared& prepared, const StepLimits& limits)
     : structure_(prepared.structure),
       limits_(limits),
       lanes_(prepared.plan.lanes),
+      code_(prepared.code),
       layout_(lay_out_side_by_side(prepared, lanes_)),
       together_(angles_together(*structure_->system, *structure_)),
       columns_(column_names(*structure_->system)),
@@ -68,7 +69,20 @@ Tile::Tile(const Prepared& prepared, const StepLimits& limits)
   }
   while (at_rest_ < layout_.packs.size() && layout_.packs[at_rest_].unknowns < layout_.first_unknown) ++at_rest_;
   for (const Index i : driven_.assignments) driven_coordinates_.push_back(system.assignments[idx(i)].coordinate);
-  if (prepared.code) whole_ = WholeStep::make(layout_, nullptr, state_, *prepared.code, at_rest_);
+}
+
+// When the variants are bound, to be called with their times.
+void Tile::find_whole_step() {
+  if (!code_) return;
+  const bool alike = same_assignments_ && drives_at_once(now_);
+  std::unique_ptr<WholeStep>& whole = alike ? alike_ : apart_;
+  if (!std::exchange(alike ? tried_alike_ : tried_apart_, true)) {
+    whole = WholeStep::make(layout_, alike ? &*drive_[0] : nullptr, state_, *code_, at_rest_, lanes_);
+  }
+  whole_ = whole.get();
+  if (whole_ == nullptr) return;
+  whole_->forget();
+  whole_->take_drivers();
 }
 
 void Tile::keep_pivots(const Variant& of) {
@@ -84,7 +98,6 @@ Status Tile::start(std::span<const Variant* const> variants, bool alike) {
   variants_.assign(variants.begin(), variants.end());
   bind(alike);
   state_.clear();
-  if (whole_) whole_->forget();
   begin_bows();
   const std::size_t w = idx(lanes_);
   for (std::size_t lane = 0; lane < w; ++lane) {
@@ -95,6 +108,7 @@ Status Tile::start(std::span<const Variant* const> variants, bool alike) {
   }
   now_.clear();
   for (const Variant* v : variants_) now_.push_back(v->time);
+  find_whole_step();
   converged_ = kConverged;
   const std::vector<double> times = now_;
   const Status s = solve(times, Attempt::Branch::start);
@@ -196,8 +210,13 @@ bool Tile::same_assignments() const {
   });
 }
 
+// True if the laws have the same values in all lanes.
+bool Tile::drives_at_once(std::span<const double> times) const {
+  return same_laws_ && std::all_of(times.begin(), times.end(), [&](double t) { return t == times[0]; });
+}
+
 Status Tile::drive(std::span<const double> times) {
-  const bool at_once = same_laws_ && std::all_of(times.begin(), times.end(), [&](double t) { return t == times[0]; });
+  const bool at_once = drives_at_once(times);
   const std::size_t w = idx(lanes_), driven = driven_lanes_ = at_once ? 1 : times.size();
   for (std::size_t lane = 0; lane < driven; ++lane) {
     if (const Status s = drive_lane(lane, times[lane]); !s.ok()) return s;
@@ -239,7 +258,7 @@ Status Tile::check_functions(std::span<const double> times) {
 Status Tile::step(std::span<const double> times) {
   if (const Status s = check_functions(times); !s.ok()) return s;
   bows_.begin_step();
-  predict(times[0]);
+  predict(times);
   Status s = solve(times, Attempt::Branch::inside);
   if (s.ok() && mechanisms_[0].limits() != nullptr) s = check_limits(times);
   if (!s.ok()) {
@@ -252,9 +271,10 @@ Status Tile::step(std::span<const double> times) {
 }
 
 // The code of a whole step predicts for itself.
-void Tile::predict(double time) {
-  state_.begin_prediction(time, prediction_);
-  is_predicted_ = !whole_ || limits_.iterations > 0 || time == now_[0];
+void Tile::predict(std::span<const double> times) {
+  state_.begin_prediction(times[0], prediction_);
+  const bool is_whole = whole_ != nullptr && (whole_ == apart_.get() || drives_at_once(times));
+  is_predicted_ = !is_whole || limits_.iterations > 0 || times[0] == now_[0];
   if (is_predicted_) combine();
 }
 
@@ -274,14 +294,16 @@ Status Tile::solve(std::span<const double> times, Attempt::Branch branch) {
 
 Status Tile::solve_all(std::span<const double> times, Attempt::Branch branch, StepErrors& errors) {
   bool whole = !std::exchange(is_predicted_, true);
-  if (const Status s = drive(times); !s.ok()) return s;
+  const bool drives = whole && whole_ == alike_.get();
+  if (drives) {
+    drive_[0]->evaluate(times[0]);
+    driven_lanes_ = 1;
+  } else if (const Status s = drive(times); !s.ok()) {
+    return s;
+  }
   const bool inside = branch == Attempt::Branch::inside;
   if (inside) {
     if (const Status s = check_bows(times); !s.ok()) return s;
-  }
-  const auto seconds = [&](std::size_t lane) { return inside ? times[lane] - now_[lane] : 0; };
-  for (std::size_t lane = 0; lane < driven_lanes_; ++lane) {
-    if (const Status s = check_levers(Mechanism::Levers::known, lane, seconds(lane)); !s.ok()) return s;
   }
   double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
   const double converged = inside ? converged_ : kConverged;
@@ -289,6 +311,13 @@ Status Tile::solve_all(std::span<const double> times, Attempt::Branch branch, St
   if (whole && !whole_->run(q, prediction_, attempt)) {
     whole = false;
     combine();
+    if (drives) {
+      if (const Status s = drive(times); !s.ok()) return s;
+    }
+  }
+  const auto seconds = [&](std::size_t lane) { return inside ? times[lane] - now_[lane] : 0; };
+  for (std::size_t lane = 0; lane < driven_lanes_; ++lane) {
+    if (const Status s = check_levers(Mechanism::Levers::known, lane, seconds(lane)); !s.ok()) return s;
   }
   std::size_t failed = 0;
   const Status solved = whole ? in_lane(whole_->finish(q, attempt, counters_, errors, failed))

@@ -112,8 +112,10 @@ class Tile {
 
  private:
   [[nodiscard]] Status start(std::span<const Variant* const> variants, bool alike);
+  void find_whole_step();
   void bind(bool alike = true);
   void bind_programs(std::size_t lane);
+  [[nodiscard]] bool drives_at_once(std::span<const double> times) const;
   [[nodiscard]] bool same_laws() const;
   [[nodiscard]] bool same_assignments() const;
   [[nodiscard]] Status check_functions(std::span<const double> times);
@@ -121,7 +123,7 @@ class Tile {
   [[nodiscard]] Status drive_lane(std::size_t lane, double time);
   [[nodiscard]] Status solve(std::span<const double> times, Attempt::Branch branch);
   [[nodiscard]] Status solve_all(std::span<const double> times, Attempt::Branch branch, StepErrors& errors);
-  void predict(double time);
+  void predict(std::span<const double> times);
   void combine() { state_.predict(prediction_, 0, state_.unknowns()); }
   [[nodiscard]] Attempt usual_attempt(double time, Attempt::Branch branch, double converged) const;
   [[nodiscard]] Status solve_packs(std::span<const double> times, Attempt::Branch branch, double converged,
@@ -143,9 +145,13 @@ class Tile {
   std::shared_ptr<const Structure> structure_;
   StepLimits limits_;
   int lanes_;
+  std::shared_ptr<StepCode> code_;  // null: there is none
   Layout layout_;
-  std::size_t at_rest_ = 0;  // the first packs: they are solved again only if no time passes
-  std::unique_ptr<WholeStep> whole_;  // null if there is no such code
+  std::size_t at_rest_ = 0;           // the first packs: they are solved again only if no time passes
+  std::unique_ptr<WholeStep> apart_;  // the step without drivers, and with those of lane 0 for all lanes; null if there
+  std::unique_ptr<WholeStep> alike_;  // is no such code, or if it was not needed yet
+  bool tried_apart_ = false, tried_alike_ = false;
+  WholeStep* whole_ = nullptr;  // one of them; null: there is none
   State::Prediction prediction_;
   bool is_predicted_ = true;  // false: it is left to whole_
   Driven driven_;

@@ -381,17 +381,17 @@ void DriveProgram::place_as(const DriveProgram& other, double* const (&state)[3]
   }
 }
 
-DrivenOutline DriveProgram::outline() const {
+DrivenOutline DriveProgram::outline(std::int32_t stride) const {
   DrivenOutline out;
   out.laws = static_cast<std::int32_t>(laws_);
   out.directions = directions_;
   out.frames = frames_;
-  for (const Copy& c : copies_) out.copies.push_back({c.slot, c.coordinate});
+  for (const Copy& c : copies_) out.copies.push_back({c.slot, c.coordinate * stride});
   for (const Sum& s : sums_) {
     DrivenOutline::Sum& to = out.sums.emplace_back();
-    to.address = s.coordinate;
+    to.address = s.coordinate * stride;
     for (std::int32_t t = s.begin; t < s.end; ++t)
-      to.terms.push_back({terms_[idx(t)].coordinate, terms_[idx(t)].factor});
+      to.terms.push_back({terms_[idx(t)].coordinate * stride, terms_[idx(t)].factor});
   }
   return out;
 }

@@ -90,7 +90,7 @@ class DriveProgram {
     place_as(*this, state, stride);
   }
   // The same as a program for mechanism_step(), which reads jets(), sines() and cosines(), after find_sines().
-  [[nodiscard]] DrivenOutline outline() const;
+  [[nodiscard]] DrivenOutline outline(std::int32_t stride = 1) const;
   void find_sines() {
     if (!knows_sines_) kernels_->sin_cos(jets_[0].data(), angles_, sines_.data(), cosines_.data());
     knows_sines_ = true;

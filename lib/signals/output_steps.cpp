@@ -55,6 +55,9 @@ void OutputSteps::bind(std::size_t used) {
     numbers_.resize(numbers.size() * w);
     for (std::size_t i = 0; i < numbers.size(); ++i) numbers_[i * w + lane] = numbers[i];
   }
+  if (changed_ < kWorthCode || !code_) return;
+  if (auto by_code = code_->of(outputs_[0].change_step(), static_cast<int>(w))) changes_ = std::move(by_code);
+  code_ = nullptr;
 }
 
 // The programs write to none of these.
@@ -96,9 +99,8 @@ void OutputSteps::differentiate(const double* const (&state)[3], const double* c
     if (!changes_) {
       changes_ = make_interpreter(outputs_[0].change_step(), static_cast<int>(w));
       roundings_.resize(outputs_[0].roundings() * w);
-    } else if (++changed_ == kWorthCode && code_) {
-      if (auto by_code = code_->of(outputs_[0].change_step(), static_cast<int>(w))) changes_ = std::move(by_code);
     }
+    ++changed_;
     for (double& rounding : roundings_) rounding = sign != nullptr ? (*sign)() * kEps : 0;
     auto all = memory(state[0]);
     const auto give = [&](Memory m, const double* at) { all[static_cast<std::size_t>(m)] = const_cast<double*>(at); };

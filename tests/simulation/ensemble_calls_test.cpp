@@ -220,7 +220,7 @@ TEST(Ensemble, StepsAllocateNothing) {
       (void)e.run(std::span(grid).first(rows));
       return test::allocations() - before;
     };
-    (void)taken(61);
+    for (int k = 0; k < 20; ++k) (void)taken(61);  // until all code is made that is worth it
     EXPECT_EQ(taken(61), taken(31)) << strategy;
   }
 }
