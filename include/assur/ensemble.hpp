@@ -131,10 +131,10 @@ class Ensemble {
   // of this. Members whose start posture does not follow from the guess group by group, or whose equations differ from
   // those of the first member, are prepared one by one when they run, and so are all members of a scene with redundant
   // equations or functions of the program, and of a table of ratios; report().fallbacks then gives their number and the
-  // reason. All members use the time grid of prepared(). `options` as in prepare(); otherwise as above, but if no member can be
-  // prepared, the outcomes tell why: the constructor then throws only if the scene as written is refused, too, for
-  // another reason than its posture. Throws Error (input) also for an unknown or repeated name, and for values that do
-  // not make whole rows. Needs the library assur::assur.
+  // reason. All members use the time grid of prepared(). `options` as in prepare(); otherwise as above, but if no
+  // member can be prepared, the outcomes tell why: the constructor then throws only if the scene as written is refused,
+  // too, for another reason than its posture. Throws Error (input) also for an unknown or repeated name, and for values
+  // that do not make whole rows. Needs the library assur::assur.
   Ensemble(const Scene& scene, std::vector<std::string> names, std::vector<double> values,
            const PrepareOptions& options = {}, StepLimits limits = {});
   Ensemble(Ensemble&&) noexcept;             // the other ensemble may then only be destroyed or assigned to

@@ -159,7 +159,7 @@ class ErrorEstimate {
     Figures now;
     double limit = 0;  // larger errors are in doubt
     Place worst;
-    double before = 0, step = 0;  // time of the last step, and its length, s
+    double before = 0, step = 0;      // time of the last step, and its length, s
     double measured = 0, serves = 0;  // time of the last measurement, and how long the rounding of its laws serves, s
     double redundant = 0;             // residual of the redundant equations
     std::vector<Jet<double>> laws;    // bounds of the rounding of the evaluated laws, internal units
@@ -204,11 +204,11 @@ class ErrorEstimate {
   std::array<std::vector<double>, 3> memory_;  // errors of all probes, by derivative
   std::vector<Probe> probes_;                  // the first one carries the residuals
   OutputSteps* output_steps_ = nullptr;
-  std::vector<double> slopes_;                 // changes of the outputs along a probe: columns x lanes
-  std::vector<Mechanism> mechanisms_;          // lanes
+  std::vector<double> slopes_;         // changes of the outputs along a probe: columns x lanes
+  std::vector<Mechanism> mechanisms_;  // lanes
   Watched watched_;
-  std::vector<const System*> systems_;         // systems of the used mechanisms
-  std::span<const Index> evaluated_;           // inputs
+  std::vector<const System*> systems_;  // systems of the used mechanisms
+  std::span<const Index> evaluated_;    // inputs
   const Inputs* inputs_ = nullptr;
   std::vector<Jet<double>> ahead_;        // like Mechanism::laws, at a later time
   bool static_known_ = true;              // the probes hold the errors of static coordinates

@@ -22,8 +22,8 @@ namespace assur {
 class WholeStep {
  public:
   // Null if there is no such code: for a group that has no small step, or if it would be too long. All must outlive it.
-  // drivers: null if run() finds the known coordinates at hand; their structure must not change. first: packs before this one are at rest. lanes: of
-  // mechanisms side by side, all of which have these drivers
+  // drivers: null if run() finds the known coordinates at hand; their structure must not change. first: packs before
+  // this one are at rest. lanes: of mechanisms side by side, all of which have these drivers
   [[nodiscard]] static std::unique_ptr<WholeStep> make(Layout& layout, DriveProgram* drivers, const State& state,
                                                        StepCode& code, std::size_t first = 0, int lanes = 1);
 

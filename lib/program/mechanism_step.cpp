@@ -183,7 +183,7 @@ class Writer {
 
   const MechanismOutline& of_;
   MechanismStep out_;
-  std::int32_t factor_ = 0;  // the next one
+  std::int32_t factor_ = 0;                    // the next one
   std::map<std::int32_t, Jet<Value>> driven_;  // by address, in the first phase
 };
 

@@ -60,7 +60,7 @@ struct MechanismOutline {
 
 struct MechanismStep {
   StepProgram program;
-  std::uint32_t work = 0;       // numbers in Memory::work
+  std::uint32_t work = 0;  // numbers in Memory::work
 };
 
 // NaN if a law is not defined, else 0; among the memories of the first group.

@@ -16,9 +16,9 @@ namespace {
 
 // As in structure/walk.cpp.
 constexpr int kMostCorrections = 10;
-constexpr double kCorrected = 1e-10;      // internal units; Newton's next correction is far below rounding
-constexpr double kRoundingOnly = 1e-6;    // corrections below this that no longer fall are rounding
-constexpr double kMostUsed = 1e6;         // a larger part of the bound counts as infinite
+constexpr double kCorrected = 1e-10;    // internal units; Newton's next correction is far below rounding
+constexpr double kRoundingOnly = 1e-6;  // corrections below this that no longer fall are rounding
+constexpr double kMostUsed = 1e6;       // a larger part of the bound counts as infinite
 
 using Values = std::vector<Value>;
 

@@ -1,5 +1,5 @@
-// Computes the numbers of a tape for other values of its parameters, for several members side by side: by step programs,
-// between which muParser evaluates formulas.
+// Computes the numbers of a tape for other values of its parameters, for several members side by side: by step
+// programs, between which muParser evaluates formulas.
 #pragma once
 
 #include <cstddef>

@@ -34,7 +34,7 @@ struct Variant {
   std::vector<double> posture;  // all coordinates, internal units
   double time = 0;
   decltype(Prepared::reselect) reselect;  // as in Prepared
-  std::vector<double> limited = {};                               // limited quantities, as Prepared::start_limits
+  std::vector<double> limited = {};       // limited quantities, as Prepared::start_limits
   // Set: the system is kept from start to start, and only its numbers change; these say which ones change besides those
   // of groups.
   struct Changes {
@@ -161,7 +161,7 @@ class Tile {
   std::size_t driven_lanes_ = 0;    // lanes whose laws were evaluated last; the others have those of the first
   std::size_t lanes_accepted_ = 1;  // the same at the last posture
   std::vector<std::string> columns_;
-  std::vector<OutputProgram> outputs_;                   // lanes
+  std::vector<OutputProgram> outputs_;  // lanes
   OutputSteps output_steps_;
   LaneArray rows_, divisors_;  // columns x lanes, measures x lanes
   bool has_outputs_ = false;   // they are those of the current posture
@@ -172,7 +172,7 @@ class Tile {
   ErrorEstimate estimate_;
   State state_;
   Bows bows_;
-  std::vector<double> bow_times_;  // lanes: Bows::times()
+  std::vector<double> bow_times_;   // lanes: Bows::times()
   bool may_bend_ = false;           // a law of a lane may leave its chord
   bool bends_ = false;              // one does so on the step that bows_ has
   std::array<LaneArray, 3> known_;  // for bows_: known coordinates and their derivatives, in the layout of the state

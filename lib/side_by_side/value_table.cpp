@@ -77,7 +77,8 @@ bool alike(const Prepared& a, const Prepared& b) {
 // Replays the recorded computation for the members in the lanes of one tile.
 class ValueTable::Binder : public MemberBinder {
  public:
-  Binder(const ValueTable& table, std::size_t lanes) : table_(table), replay_(*table.tape_, wanted_of(table), lanes, code_for(table, lanes)) {
+  Binder(const ValueTable& table, std::size_t lanes)
+      : table_(table), replay_(*table.tape_, wanted_of(table), lanes, code_for(table, lanes)) {
     const Structure& structure = *table.structure_;
     near_.reserve(structure.system->coordinates.size());
     for (const Group& g : structure.groups) near_.insert(near_.end(), g.unknowns.begin(), g.unknowns.end());

@@ -53,7 +53,7 @@ class WalkInLanes {
     Stage stage = Stage::unset;
     bool drivers_move = false;
     double share = 0, step = 1;  // of the way of this stage; length of the next step
-    int steps = 0;  // attempts
+    int steps = 0;               // attempts
 
     [[nodiscard]] bool is_on_its_way() const { return stage == Stage::closing || stage == Stage::moving; }
     [[nodiscard]] double target() const { return share + step < 1 ? share + step : 1; }

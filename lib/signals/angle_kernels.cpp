@@ -50,8 +50,7 @@ void add_harmonics(const HarmonicBlock* blocks, std::size_t count, double time, 
   }
 }
 
-bool follow(std::size_t count, const Arms& now, const Arms& next, double seconds, const double* bends,
-            double* strays) {
+bool follow(std::size_t count, const Arms& now, const Arms& next, double seconds, const double* bends, double* strays) {
   constexpr double kFirstSteps = 16;  // bound for a path of unknown shape: four times the chord, squared
   constexpr double kMostBow = 0.25;   // of a vector, relative to its length: the inverse of a Jacobian may grow
   const L none = L::set(0), one = L::set(1), time = L::set(seconds);
@@ -63,8 +62,7 @@ bool follow(std::size_t count, const Arms& now, const Arms& next, double seconds
     square.store(next.square + i);
     chord.store(next.chord + i);
     const L before = L::load(now.square + i), speed = L::load(now.speed + i), at_speed = speed * time * time;
-    const L way =
-        if_positive(none - speed, L::set(kFirstSteps) * chord, if_at_most(chord, at_speed, at_speed, chord));
+    const L way = if_positive(none - speed, L::set(kFirstSteps) * chord, if_at_most(chord, at_speed, at_speed, chord));
     const L least = if_at_most(before, square, before, square);
     L stray = if_at_most(L::load(bends + i), L::set(kMostBow * kMostBow) * least, none, one);
     if (!all_at_most(way, least)) {  // shorter than half of any way round the origin?

@@ -42,9 +42,9 @@ struct AngleKernels {
   void (*add_harmonics)(const HarmonicBlock* blocks, std::size_t count, double t, double* values, double* rates,
                         double* accelerations);
 
-  // Counting turns, see AngleTurns. Computes the squares and chords of the vectors `next`, a time `seconds` after `now`.
-  // True if no vector strays: the turns of all are known. bends: how far each may leave its way, squared; strays:
-  // receives 0 or 1 for each. Arrays: count, padded.
+  // Counting turns, see AngleTurns. Computes the squares and chords of the vectors `next`, a time `seconds` after
+  // `now`. True if no vector strays: the turns of all are known. bends: how far each may leave its way, squared;
+  // strays: receives 0 or 1 for each. Arrays: count, padded.
   bool (*follow)(std::size_t count, const Arms& now, const Arms& next, double seconds, const double* bends,
                  double* strays);
   // Moves `now` there, and adds the turns.

@@ -14,8 +14,7 @@ struct DualOf {
   DualOf() = default;
   DualOf(const N& v, const N& s) : value(v), slope(s) {}
   DualOf(double v)  // NOLINT(google-explicit-constructor): a number like any other
-    requires std::is_same_v<N, double>
-      : value(v) {}
+      requires std::is_same_v<N, double> : value(v) {}
 
   friend DualOf operator-(const DualOf& a) { return {-a.value, -a.slope}; }
   friend DualOf operator+(const DualOf& a, const DualOf& b) { return {a.value + b.value, a.slope + b.slope}; }

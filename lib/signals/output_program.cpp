@@ -274,7 +274,8 @@ class OutputProgram::Writer {
       }
       for (const Sum& sum : of_.sums_) {
         Value total = zero();
-        for (std::int32_t t = sum.begin; t < sum.end; ++t) total = add(total, place++, of_.sum_terms_[idx(t)], d, source);
+        for (std::int32_t t = sum.begin; t < sum.end; ++t)
+          total = add(total, place++, of_.sum_terms_[idx(t)], d, source);
         put(sum.column[d], total);
       }
     }
@@ -304,7 +305,8 @@ std::vector<double> OutputProgram::numbers() const {
 
 bool OutputProgram::same_shape(const OutputProgram& o) const {
   const auto same = [](const auto& a, const auto& b) {
-    return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const auto& x, const auto& y) { return x.is_like(y); });
+    return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                      [](const auto& x, const auto& y) { return x.is_like(y); });
   };
   return dimension_ == o.dimension_ && same(motions_, o.motions_) && same(lines_, o.lines_) && same(sums_, o.sums_) &&
          same(sum_terms_, o.sum_terms_) && same(terms_, o.terms_) && form_start_ == o.form_start_ &&

@@ -140,6 +140,8 @@ class OutputProgram {
   [[nodiscard]] std::vector<std::size_t> angles() const;
   // The i-th of angles() is atan2(y, x) at a posture.
   void arm(std::size_t i, const double* q, double& x, double& y) const;
+  // Size of the terms of x and y: their rounding errors are relative to it.
+  [[nodiscard]] double size_of_arm(std::size_t i, const double* q) const;
 
   // The numbers of the mechanism. True if the step programs of another one differ in nothing else.
   [[nodiscard]] std::vector<double> numbers() const;
@@ -160,9 +162,6 @@ class OutputProgram {
   [[nodiscard]] std::size_t roundings() const;
   // Number of instructions of output_step(), about.
   [[nodiscard]] std::size_t operations() const;
-  // Size of the terms of x and y: their rounding errors are relative to it.
-  [[nodiscard]] double size_of_arm(std::size_t i, const double* q) const;
-
   // Marks the addresses that are read.
   void mark(std::vector<std::uint8_t>& addresses) const;
 
@@ -171,7 +170,8 @@ class OutputProgram {
   // the columns, for one of several threads.
   void evaluate(const double* const (&state)[3], double* out, const double* turns, double* divisors,
                 std::size_t part = 0, std::size_t parts = 1) const;
-  // The rest of evaluate(), which output_step() leaves out, if there is any. out and divisors: their numbers are `apart` from each other.
+  // The rest of evaluate(), which output_step() leaves out, if there is any. out and divisors: their numbers are
+  // `apart` from each other.
   void evaluate_others(const double* const (&state)[3], double* out, double* divisors, std::size_t apart = 1) const {
     evaluate_others(state, out, divisors, apart, parts_);
   }

@@ -106,7 +106,8 @@ void OutputSteps::differentiate(const double* const (&state)[3], const double* c
     const auto give = [&](Memory m, const double* at) { all[static_cast<std::size_t>(m)] = const_cast<double*>(at); };
     give(Memory::state_rates, state[1]);
     give(Memory::state_accelerations, state[2]);
-    for (std::size_t d = 0; d < 3; ++d) all[static_cast<std::size_t>(Memory::past) + d] = const_cast<double*>(change[d]);
+    for (std::size_t d = 0; d < 3; ++d)
+      all[static_cast<std::size_t>(Memory::past) + d] = const_cast<double*>(change[d]);
     give(Memory::work, roundings_.data());
     give(Memory::outputs, out);
     changes_->run(all);

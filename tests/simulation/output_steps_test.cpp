@@ -100,9 +100,7 @@ std::vector<Scene> members(const Scene& scene, const std::string& parameter, con
   return out;
 }
 
-Scene stewart() {
-  return read_scene(std::string(ASSUR_SOURCE_DIR) + "/scenes/stewart.json").with_outputs({"all"});
-}
+Scene stewart() { return read_scene(std::string(ASSUR_SOURCE_DIR) + "/scenes/stewart.json").with_outputs({"all"}); }
 
 TEST(OutputSteps, HaveTheBitsOfEachMechanismAlone) {
   expect_bits_of_each_alone(members(stewart(), "rod", {0.55, 0.552, 0.548}));

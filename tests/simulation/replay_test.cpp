@@ -5,8 +5,8 @@
 #include <random>
 #include <vector>
 
-#include "scene/expression.hpp"
 #include "numbers.hpp"
+#include "scene/expression.hpp"
 #include "scene/number.hpp"
 #include "side_by_side/replay.hpp"
 
