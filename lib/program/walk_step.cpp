@@ -10,15 +10,12 @@
 #include "program/graph.hpp"
 #include "program/linear_steps.hpp"
 #include "program/small_inverse-inl.hpp"
+#include "structure/walk.hpp"
 
 namespace assur {
 namespace {
 
-// As in structure/walk.cpp.
-constexpr int kMostCorrections = 10;
-constexpr double kCorrected = 1e-10;    // internal units; Newton's next correction is far below rounding
-constexpr double kRoundingOnly = 1e-6;  // corrections below this that no longer fall are rounding
-constexpr double kMostUsed = 1e6;       // a larger part of the bound counts as infinite
+constexpr double kMostUsed = 1e6;  // a larger part of the bound counts as infinite
 
 using Values = std::vector<Value>;
 
@@ -89,7 +86,7 @@ class Inverse {
   LinearSteps linear_;
 };
 
-class Writer {
+class Writer : WalkRules {
   using Equations = HWY_NAMESPACE::QuadraticEquations<Value>;
   using Registers = Values;
 

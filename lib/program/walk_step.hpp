@@ -16,17 +16,15 @@ struct WalkSlots {
   static constexpr Memory from = Memory::unknowns;            // where the unknowns are; unchanged
   static constexpr Memory inputs = Memory::inputs;            // where the inputs will be
   static constexpr Memory from_inputs = Memory::input_rates;  // where they are
-  static constexpr Memory strays =
-      Memory::input_accelerations;               // how far each of them may leave the chord between both
+  // How far each of them may leave the chord between both.
+  static constexpr Memory strays = Memory::input_accelerations;
   static constexpr Memory aims = Memory::own;    // residuals of the equations in the end; now they have any
   static constexpr Memory to = Memory::rates;    // receives the unknowns
   static constexpr Memory open = Memory::loads;  // receives the residuals of the equations where the step begins
   static constexpr Memory stray = Memory::accelerations;  // one row: how far each of them may leave its chord
-  // One row: the used part of the bound of the proof. There is none above kSurestProof; then all else is unspecified.
+  // One row: the used part of the bound of the proof. There is none above kSurest; then all else is unspecified.
   static constexpr Memory used = Memory::figures;
 };
-
-inline constexpr double kSurestProof = 0.8, kWantedProof = 0.5;  // of a step; what steps should be as long as
 
 // Numbers in Memory::work.
 [[nodiscard]] inline std::size_t work_of_walk_step(const Program& equations) {

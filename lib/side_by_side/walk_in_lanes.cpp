@@ -6,7 +6,6 @@
 
 #include "backends/lanes_order.hpp"
 #include "index.hpp"
-#include "numbers.hpp"
 #include "program/walk_step.hpp"
 #include "structure/classes.hpp"
 #include "structure/dense_block.hpp"
@@ -18,7 +17,6 @@ constexpr std::int32_t kMostUnknowns = 24;  // of a part: the program has all co
 constexpr std::int32_t kWithoutPivots = 3;  // see walk_step()
 constexpr double kShortest = 0x1p-8;        // step; one mechanism alone takes steps of any length
 constexpr int kMostSteps = 100;
-constexpr double kShrink = 0.3, kGrowth = 2.5;  // of a step, at most, as in structure/walk.cpp
 
 // The Jacobian of a part at a posture, in the order of a pattern.
 std::vector<double> nonzeros(const System& s, const Group& group, const Pattern& pattern, std::span<const double> q) {
@@ -158,15 +156,16 @@ void WalkInLanes::begin_step(std::size_t lane, Drivers& drivers) {
 void WalkInLanes::end_step(std::size_t lane, Drivers& drivers) {
   Lane& l = lanes_[lane];
   ++l.steps;
-  const double by = l.target() - l.share, used = used_[lane] <= kSurestProof && !holds(lane, drivers) ? 1 : used_[lane];
-  if (!(used <= kSurestProof)) {
-    l.step = by * std::clamp(kWantedProof / used, kShrink * kShrink, 0.5);
+  const double by = l.target() - l.share,
+               used = used_[lane] <= WalkRules::kSurest && !holds(lane, drivers) ? 1 : used_[lane];
+  if (!(used <= WalkRules::kSurest)) {
+    l.step = by * WalkRules::after_failure(used);
     if (l.step < kShortest || l.steps >= kMostSteps) l.stage = Stage::given_up;
     return;
   }
   for (std::size_t i = lane; i < from_.size(); i += w_) from_[i] = to_[i];
   l.share = l.target();
-  l.step = by * std::clamp(kWantedProof / std::max(used, kEps), kShrink, kGrowth);
+  l.step = by * WalkRules::after_success(used);
   if (l.share < 1) return;
   const bool goes_on = l.stage == Stage::closing && l.drivers_move;
   l.stage = goes_on ? Stage::moving : Stage::arrived;

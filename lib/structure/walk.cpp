@@ -22,13 +22,8 @@ using Eigen::VectorXd;
 
 constexpr Eigen::Index kDenseInverse = 96;  // unknowns; larger parts are factored sparse
 constexpr int kHagerRounds = 4;
-constexpr int kMostCorrections = 10;
-constexpr double kCorrected = 1e-10;            // internal units; Newton's next correction is far below rounding
-constexpr double kRoundingOnly = 1e-6;          // corrections below this that no longer fall are rounding
-constexpr double kSurest = 0.8, kWanted = 0.5;  // of the bound of the test of a step
 constexpr int kForecast = 5000;  // steps after which a way is given up that would take four times as many as allowed
 constexpr double kLeastForecast = kForecast / (4.0 * kMostWalkedSteps);
-constexpr double kShrink = 0.3, kGrowth = 2.5;  // of a step, at most
 // rad or internal units; nearer to a singular posture, rounding decides
 constexpr double kShortest = 1e-10;
 constexpr double kDriverSlack = 1e-6;  // relative; a direction that has passed through zero is off by half a turn
@@ -140,7 +135,7 @@ struct Posture {
   std::vector<double> bend;     // second derivative by s, for the prediction
 };
 
-class Walk {
+class Walk : WalkRules {
  public:
   Walk(const System& system, const std::vector<WalkedPart>& parts, const Way& way)
       : s_(system),
@@ -281,10 +276,10 @@ class Walk {
         for (std::size_t c = 0; c < next.bend.size(); ++c) next.bend[c] = (next.rate[c] - at.rate[c]) / by;
         std::swap(at, next);
         if (keeps) keep(std::move(next));
-        h = by * std::clamp(kWanted / std::max(use, kEps), kShrink, kGrowth);
+        h = by * after_success(use);
         continue;
       }
-      h = (target - at.s) * std::clamp(kWanted / use, kShrink * kShrink, 0.5);
+      h = (target - at.s) * after_failure(use);
       if (!(h >= shortest())) return vanished_ >= 0 ? Walked::End::vanished : Walked::End::singular;
     }
     return Walked::End::arrived;

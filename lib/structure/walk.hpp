@@ -1,9 +1,11 @@
 // Follows a posture continuously while the drivers move, or while its open equations close.
 #pragma once
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
+#include "numbers.hpp"
 #include "structure/blocks.hpp"
 
 namespace assur {
@@ -55,6 +57,17 @@ struct Walked {
 };
 
 inline constexpr int kMostWalkedSteps = 100000;
+
+// The rules of a step, here and in lanes (program/walk_step.hpp).
+struct WalkRules {
+  static constexpr int kMostCorrections = 10;
+  static constexpr double kCorrected = 1e-10;    // internal units; Newton's next correction is far below rounding
+  static constexpr double kRoundingOnly = 1e-6;  // corrections below this that no longer fall are rounding
+  static constexpr double kSurest = 0.8;         // of the bound of the test that proves a step
+  // Length of the next step over that of this one, for the part of the bound that it used.
+  [[nodiscard]] static double after_success(double used) { return std::clamp(0.5 / std::max(used, kEps), 0.3, 2.5); }
+  [[nodiscard]] static double after_failure(double used) { return std::clamp(0.5 / used, 0.09, 0.5); }
+};
 
 // Moves q along the way, from a posture at s = 0. `parts` are in solving order. Each step is proven: for all s of the
 // step, each part has exactly one posture within a ball around the chord of the step, so that the posture at the end
