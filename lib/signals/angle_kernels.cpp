@@ -50,23 +50,26 @@ void add_harmonics(const HarmonicBlock* blocks, std::size_t count, double time, 
   }
 }
 
-bool follow(std::size_t count, const Arms& now, const Arms& next, double seconds, const double* bends, double* strays) {
+template <std::size_t W>
+bool follow_all(std::size_t count, const Arms& now, const Arms& next, double seconds, const double* bends,
+                double* strays) {
+  using V = Lanes<W>;
   constexpr double kFirstSteps = 16;  // bound for a path of unknown shape: four times the chord, squared
   constexpr double kMostBow = 0.25;   // of a vector, relative to its length: the inverse of a Jacobian may grow
-  const L none = L::set(0), one = L::set(1), time = L::set(seconds);
-  L all = none;
-  for (std::size_t i = 0; i < count; i += kAngleBlock) {
-    const L x = L::load(next.x + i), y = L::load(next.y + i);
-    const L dx = x - L::load(now.x + i), dy = y - L::load(now.y + i);
-    const L square = x * x + y * y, chord = dx * dx + dy * dy;
+  const V none = V::set(0), one = V::set(1), time = V::set(seconds);
+  V all = none;
+  for (std::size_t i = 0; i < count; i += W) {
+    const V x = V::load(next.x + i), y = V::load(next.y + i);
+    const V dx = x - V::load(now.x + i), dy = y - V::load(now.y + i);
+    const V square = x * x + y * y, chord = dx * dx + dy * dy;
     square.store(next.square + i);
     chord.store(next.chord + i);
-    const L before = L::load(now.square + i), speed = L::load(now.speed + i), at_speed = speed * time * time;
-    const L way = if_positive(none - speed, L::set(kFirstSteps) * chord, if_at_most(chord, at_speed, at_speed, chord));
-    const L least = if_at_most(before, square, before, square);
-    L stray = if_at_most(L::load(bends + i), L::set(kMostBow * kMostBow) * least, none, one);
+    const V before = V::load(now.square + i), speed = V::load(now.speed + i), at_speed = speed * time * time;
+    const V way = if_positive(none - speed, V::set(kFirstSteps) * chord, if_at_most(chord, at_speed, at_speed, chord));
+    const V least = if_at_most(before, square, before, square);
+    V stray = if_at_most(V::load(bends + i), V::set(kMostBow * kMostBow) * least, none, one);
     if (!all_at_most(way, least)) {  // shorter than half of any way round the origin?
-      const L is_long = if_at_most(L::set(2) * sqrt(way), sqrt(before) + sqrt(square), none, one);
+      const V is_long = if_at_most(V::set(2) * sqrt(way), sqrt(before) + sqrt(square), none, one);
       stray = max(stray, if_at_most(way, least, none, is_long));
     }
     stray.store(strays + i);
@@ -75,20 +78,35 @@ bool follow(std::size_t count, const Arms& now, const Arms& next, double seconds
   return !(all.largest() > 0);
 }
 
-void turn(std::size_t count, const Arms& now, const Arms& next, double seconds, double* turns) {
-  const L one = L::set(1), none = L::set(0), half = L::set(0.5), square = L::set(seconds * seconds);
-  for (std::size_t i = 0; i < count; i += kAngleBlock) {
-    const L x = L::load(now.x + i), y = L::load(now.y + i), to_x = L::load(next.x + i), to_y = L::load(next.y + i);
+template <std::size_t W>
+void turn_all(std::size_t count, const Arms& now, const Arms& next, double seconds, double* turns) {
+  using V = Lanes<W>;
+  const V one = V::set(1), none = V::set(0), half = V::set(0.5), square = V::set(seconds * seconds);
+  for (std::size_t i = 0; i < count; i += W) {
+    const V x = V::load(now.x + i), y = V::load(now.y + i), to_x = V::load(next.x + i), to_y = V::load(next.y + i);
     // The shorter way may cross the half-line where atan2 jumps: to the left if y becomes negative.
-    const L crossing = copy_sign(one, y) - copy_sign(one, to_y), left = x * to_y - y * to_x;
-    (L::load(turns + i) + if_positive(crossing * left, half * crossing, none)).store(turns + i);
-    const L chord = L::load(next.chord + i);
+    const V crossing = copy_sign(one, y) - copy_sign(one, to_y), left = x * to_y - y * to_x;
+    (V::load(turns + i) + if_positive(crossing * left, half * crossing, none)).store(turns + i);
+    const V chord = V::load(next.chord + i);
     if (seconds != 0) (chord / square).store(now.speed + i);
     to_x.store(now.x + i);
     to_y.store(now.y + i);
-    L::load(next.square + i).store(now.square + i);
+    V::load(next.square + i).store(now.square + i);
     chord.store(now.chord + i);
   }
+}
+
+// A few vectors are taken one by one: eight numbers read at once wait for the few that were just written.
+constexpr std::size_t kFewAngles = 3;
+
+bool follow(std::size_t count, const Arms& now, const Arms& next, double seconds, const double* bends, double* strays) {
+  return count <= kFewAngles ? follow_all<1>(count, now, next, seconds, bends, strays)
+                             : follow_all<kAngleBlock>(count, now, next, seconds, bends, strays);
+}
+
+void turn(std::size_t count, const Arms& now, const Arms& next, double seconds, double* turns) {
+  return count <= kFewAngles ? turn_all<1>(count, now, next, seconds, turns)
+                             : turn_all<kAngleBlock>(count, now, next, seconds, turns);
 }
 
 constexpr AngleKernels kKernels = {sin_cos, angles, add_harmonics, follow, turn};

@@ -57,7 +57,7 @@ AngleTurns::Followed AngleTurns::follow(const double* q, double seconds, std::sp
     for (std::size_t i = lane; i < count_; i += w) bends_[i] = t == 0 ? 0 : t * t * bows_[i];
   }
   const Arms from = arms(now_), to = arms(next_);
-  if (angle_kernels().follow(count_, from, to, seconds, bends ? bends_.data() : nothing_.data(), strays_.data())) {
+  if (kernels_->follow(count_, from, to, seconds, bends ? bends_.data() : nothing_.data(), strays_.data())) {
     return {};
   }
   Followed found;
@@ -89,7 +89,7 @@ void AngleTurns::measure(const double* q, std::span<double* const> probes, std::
 
 void AngleTurns::accept(double seconds) {
   if (empty()) return;
-  angle_kernels().turn(count_, arms(now_), arms(next_), seconds, turns_.data());
+  kernels_->turn(count_, arms(now_), arms(next_), seconds, turns_.data());
 }
 
 void AngleTurns::continue_from(std::span<const double> row, std::size_t lane) {

@@ -73,6 +73,7 @@ class AngleTurns {
 
   std::span<const OutputProgram> outputs_;
   const OutputSteps* steps_ = nullptr;
+  const AngleKernels* kernels_ = &angle_kernels();
   std::vector<std::size_t> columns_;
   std::size_t count_;                   // angles x lanes
   LaneArray now_, next_, probe_;        // the members of Arms, one after the other
