@@ -62,20 +62,6 @@ std::vector<InputRow> input_rows(const std::vector<std::int32_t>& addresses, std
 
 }  // namespace
 
-std::vector<InputRow> address_rows(const std::vector<std::int32_t>& addresses, std::size_t lanes) {
-  std::vector<InputRow> rows = input_rows(addresses, addresses.size() / lanes, lanes);
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    const std::int32_t* at = addresses.data() + i * lanes;
-    for (const auto& [step, kind] :
-         {std::pair(2, InputRow::Kind::every_second), std::pair(3, InputRow::Kind::every_third)}) {
-      bool all = lanes > 1;
-      for (std::size_t l = 1; l < lanes; ++l) all = all && at[l] == at[l - 1] + step;
-      if (all) rows[i].kind = kind;
-    }
-  }
-  return rows;
-}
-
 std::vector<std::unique_ptr<GroupSolver>> make_solvers(const Prepared& prepared, int lanes, StepCode* code) {
   std::vector<std::unique_ptr<GroupSolver>> solvers;
   for (Plan::Choice choice : prepared.plan.choices) {

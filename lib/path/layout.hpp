@@ -25,9 +25,6 @@ struct Layout {
 [[nodiscard]] std::vector<std::unique_ptr<GroupSolver>> make_solvers(const Prepared& prepared, int lanes,
                                                                      StepCode* code);
 
-// For each row of addresses (rows x lanes): how they follow each other. InputRow lists the numbers that are read.
-[[nodiscard]] std::vector<InputRow> address_rows(const std::vector<std::int32_t>& addresses, std::size_t lanes);
-
 // A layout in which groups of one class on one level are side by side, up to W of them in a pack. With +together every
 // group is a pack of one lane, and the unknowns of the groups of one class follow each other. Its solvers use no
 // machine code yet. Throws Error (environment) if a backend of the plan cannot run here.
