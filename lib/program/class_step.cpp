@@ -43,17 +43,13 @@ class Writer {
   // As many steps take one correction as two, so the end is a phase of its own.
   [[nodiscard]] StepProgram step() {
     StepProgram out;
-    const auto add = [&] {
-      out.phases.push_back(graph_.phase());
-      graph_ = {};
-    };
     begin();
-    add();
+    out.phases.push_back(graph_.take_phase());
     iterate();
-    add();
+    out.phases.push_back(graph_.take_phase());
     out.phases.back().repeat_while = work(kActive);
     finish();
-    add();
+    out.phases.push_back(graph_.take_phase());
     return out;
   }
 

@@ -189,4 +189,10 @@ Phase Graph::phase() const {
   return out;
 }
 
+Phase Graph::take_phase() {
+  Phase out = phase();
+  *this = {};
+  return out;
+}
+
 }  // namespace assur

@@ -58,6 +58,8 @@ class Graph {
 
   // The phase of all stores so far.
   [[nodiscard]] Phase phase() const;
+  // The same; the graph is empty then, for the next phase.
+  [[nodiscard]] Phase take_phase();
 
  private:
   friend Value make(Op op, Value a, Value b, Value c, Value d);

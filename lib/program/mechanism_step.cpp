@@ -29,10 +29,9 @@ class Writer {
       if (g == 0) {
         drive(graph);
         if (reads_driven_apart(g)) {  // which must be stored first
-          out_.program.phases.push_back(graph.phase());
+          out_.program.phases.push_back(graph.take_phase());
           out_.program.phases.back().lanes = of_.lanes;
           driven_.clear();
-          graph = {};
         }
       }
       const MechanismOutline::Groups& groups = of_.groups[g];

@@ -96,17 +96,13 @@ class Writer : WalkRules {
 
   [[nodiscard]] StepProgram write() {
     StepProgram out;
-    const auto add = [&] {
-      out.phases.push_back(graph_.phase());
-      graph_ = {};
-    };
     begin();
-    add();
+    out.phases.push_back(graph_.take_phase());
     correct();
-    add();
+    out.phases.push_back(graph_.take_phase());
     out.phases.back().repeat_while = slot(Memory::work, n_ + kActive);
     test();
-    add();
+    out.phases.push_back(graph_.take_phase());
     return out;
   }
 
