@@ -1,7 +1,7 @@
 # Checks the order of lib/ and of tuner/: each folder includes only itself and folders to its left, so that none of lib/
 # includes db/. Each public header is a layer of its own, to the left of the folder or file that implements it. The
 # sources of the core (CORE, relative to lib/) include, directly or indirectly, none of the libraries that the core must
-# not use. lib/CMakeLists.txt lists all sources.
+# not use. lib/CMakeLists.txt lists all sources. Fast paths name no features.
 cmake_minimum_required(VERSION 3.25)
 set(foreign "^#include [<\"](nlohmann|muParser|cs\\.h|btf\\.h|klu\\.h|umfpack|dmumps|suitesparse|SQLite|CLI|boost|tinyxml2|asmjit)")
 set(findings "")
@@ -40,6 +40,20 @@ foreach(file IN LISTS files)
 endforeach()
 check_order(${LIB} ${lib_layers})
 
+# Paths that take steps in another way ask program/needs.hpp whether they can; they name no features of scenes.
+file(GLOB ways RELATIVE ${LIB} ${LIB}/side_by_side/*.cpp ${LIB}/execute/*.cpp ${LIB}/fleet/*.cpp
+  ${LIB}/path/whole_step.cpp ${LIB}/path/together.cpp ${LIB}/group/coded_*.cpp ${LIB}/group/together_step.cpp
+  ${LIB}/planning/together_rules.cpp)
+foreach(file IN LISTS ways)
+  file(STRINGS ${LIB}/${file} named
+    REGEX "(callbacks|bounds|checks|gears|controlled)\\.empty\\(\\)|Law::Function|for_each_function|limits\\.seconds")
+  foreach(line IN LISTS named)
+    if(NOT line MATCHES "needs\\.add\\(")
+      list(APPEND findings "lib/${file}: names a feature instead of asking program/needs.hpp: ${line}")
+    endif()
+  endforeach()
+endforeach()
+
 file(READ ${LIB}/CMakeLists.txt listed)
 foreach(file IN LISTS files)
   if(file MATCHES "\\.cpp$" AND NOT listed MATCHES "[ \n(]${file}[ \n)]")
@@ -69,6 +83,8 @@ list(LENGTH files count)
 list(LENGTH seen core_count)
 if(count EQUAL 0 OR core_count EQUAL 0)
   message(FATAL_ERROR "no files found in ${LIB}")
+elseif(NOT ways)
+  message(FATAL_ERROR "no fast paths found in ${LIB}")
 elseif(findings)
   list(JOIN findings "\n" text)
   message(FATAL_ERROR "${text}")

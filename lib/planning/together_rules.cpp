@@ -5,6 +5,7 @@
 #include "backends/small_steps.hpp"
 #include "equations/program.hpp"
 #include "equations/separable.hpp"
+#include "program/needs.hpp"
 
 namespace assur {
 namespace {
@@ -12,7 +13,7 @@ namespace {
 // The steps in registers have the same conditions, see make_small_step().
 std::string why_not(const Structure& s, std::int32_t group_class) {
   const GroupClass& c = s.classes[static_cast<std::size_t>(group_class)];
-  if (!c.quadratic) return "has an equation that is a function of the program";
+  if (!can_take(Path::together, needs_of(c))) return "has an equation that is not quadratic";
   if (c.n < 2 || c.n > 3) return "has " + std::to_string(c.n) + (c.n == 1 ? " unknown" : " unknowns");
   if (c.blocks != 1) return "can be divided further";
   if (c.first_wanted != 0) return "has unknowns whose highest derivative is not needed";

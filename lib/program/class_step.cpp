@@ -10,6 +10,7 @@
 #include "program/group_slots.hpp"
 #include "program/group_tests-inl.hpp"
 #include "program/linear_steps.hpp"
+#include "program/needs.hpp"
 #include "program/step_rules.hpp"
 
 namespace assur {
@@ -288,7 +289,8 @@ class Writer {
 }  // namespace
 
 bool has_class_step(const GroupClass& c) {
-  return c.n > 0 && !has_functions(c) && c.blocks == 1 && c.derivatives > 0 && !has_group_step(c);
+  return c.n > 0 && can_take(Path::step_program, needs_of(c)) && c.blocks == 1 && c.derivatives > 0 &&
+         !has_group_step(c);
 }
 
 StepProgram class_anchor(const GroupClass& group_class, const Program& equations,

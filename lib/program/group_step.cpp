@@ -6,6 +6,7 @@
 #include "index.hpp"
 #include "program/graph.hpp"
 #include "program/group_slots.hpp"
+#include "program/needs.hpp"
 #include "program/small_group-inl.hpp"
 
 namespace assur {
@@ -184,13 +185,8 @@ StepProgram write_anchor(const GroupClass& group_class, const Program& equations
 
 }  // namespace
 
-bool has_functions(const GroupClass& c) {
-  return std::any_of(c.equations.begin(), c.equations.end(),
-                     [](const GroupClass::Equation& e) { return e.callback >= 0 && e.gear < 0; });
-}
-
 bool has_group_step(const GroupClass& c) {
-  return (c.n == 2 || c.n == 3) && !has_functions(c) && c.blocks == 1 && c.first_wanted == 0;
+  return (c.n == 2 || c.n == 3) && can_take(Path::step_program, needs_of(c)) && c.blocks == 1 && c.first_wanted == 0;
 }
 
 GroupProgram group_step(const GroupClass& group_class, const Program& equations, std::span<const std::int32_t> reads,

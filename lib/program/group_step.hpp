@@ -46,8 +46,6 @@ struct GroupProgram {
   std::uint32_t work = 0;
 };
 
-// True if equations of a class are functions of the program, which no text holds; gears are none.
-[[nodiscard]] bool has_functions(const GroupClass& group_class);
 // True for classes of two or three unknowns, all wanted, in one irreducible block, without functions.
 [[nodiscard]] bool has_group_step(const GroupClass& group_class);
 

@@ -9,6 +9,7 @@
 #include "decimal.hpp"
 #include "numbers.hpp"
 #include "parallel/team.hpp"
+#include "program/needs.hpp"
 #include "side_by_side/tiles.hpp"
 #include "side_by_side/work_queue.hpp"
 #include "simulation/run_arguments.hpp"
@@ -94,13 +95,10 @@ void follow(const LaneRun& before, LaneRun& run, const OutputProgram& outputs, s
 }  // namespace
 
 std::string no_chunks(const Structure& structure, const StepLimits& limits, std::span<const double> times) {
-  if (limits.seconds > 0) return "StepLimits::seconds limits single steps";
-  if (!structure.system->bounds.empty()) return "limits are followed from step to step";
-  if (!evenly_spaced(times)) return "the steps are not equally long";
-  for (const GroupClass& c : structure.classes) {
-    if (!c.quadratic) return "the scene has callbacks, for which start postures of chunks cannot be verified";
-  }
-  return {};
+  Needs needs = needs_of(structure);
+  needs.add(needs_of(limits));
+  if (std::string reason = why_not(Path::chunks, needs); !reason.empty()) return reason;
+  return evenly_spaced(times) ? "" : "the steps are not equally long";
 }
 
 ChunkGrid chunk_grid(std::size_t rows, std::size_t chunks) {

@@ -12,6 +12,7 @@
 #include "index.hpp"
 #include "numbers.hpp"
 #include "parallel/team.hpp"
+#include "program/needs.hpp"
 #include "scene/outputs.hpp"
 #include "side_by_side/bound_members.hpp"
 #include "side_by_side/memory.hpp"
@@ -65,9 +66,9 @@ struct Ensemble::Impl {
 
   void refuse_wrong_limits() const {
     check_limits(limits);
-    if (limits.seconds > 0) {
-      throw Error(Error::Kind::input,
-                  "StepLimits::seconds limits single steps, which an ensemble does not support; set it to 0");
+    const std::string reason = why_not(Path::ensemble, needs_of(limits));
+    if (!reason.empty()) {
+      throw Error(Error::Kind::input, reason + ", which an ensemble does not support; set it to 0");
     }
   }
 

@@ -8,7 +8,7 @@
 #include <unordered_map>
 #include <utility>
 
-#include "scene/differences.hpp"
+#include "program/needs.hpp"
 
 namespace assur {
 namespace {
@@ -46,13 +46,11 @@ class Renumber {
 };
 
 bool divisible(const Prepared& whole) {
-  const Structure& s = *whole.structure;
-  bool functions = false;
-  for_each_function(*s.system, [&](std::size_t, std::size_t, const Law::Function&) { functions = true; });
-  const bool has_empty_group =
-      std::any_of(s.groups.begin(), s.groups.end(), [](const Group& g) { return g.unknowns.empty(); });
-  return !functions && !has_empty_group && s.system->callbacks.empty() && s.system->bounds.empty() &&
-         s.checks.empty() && s.static_coordinates.empty() && whole.controlled.empty() && !whole.reselect;
+  const std::vector<Group>& groups = whole.structure->groups;
+  Needs needs = needs_of(*whole.structure);
+  needs.add(Need::targets, !whole.controlled.empty());
+  return can_take(Path::parts, needs) &&
+         std::none_of(groups.begin(), groups.end(), [](const Group& g) { return g.unknowns.empty(); });
 }
 
 }  // namespace

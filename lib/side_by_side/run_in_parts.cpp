@@ -10,6 +10,7 @@
 #include "parallel/team.hpp"
 #include "side_by_side/memory.hpp"
 #include "side_by_side/parts.hpp"
+#include "simulation/run_arguments.hpp"
 
 namespace assur {
 namespace {
@@ -21,7 +22,8 @@ constexpr std::size_t kUnknownsOfPart = 1200, kWorthParts = 32 * kUnknownsOfPart
 
 bool is_worthwhile(const Prepared& prepared, const StepLimits& limits, std::size_t rows) {
   const Plan& plan = prepared.plan;
-  if (rows < 2 || limits.seconds > 0 || limits.stop || plan.run.chunks > 1 || plan.accuracy > 0) return false;
+  if (rows < 2 || !can_take(Path::parts, needs_of(limits)) || limits.stop || plan.run.chunks > 1 || plan.accuracy > 0)
+    return false;
   std::size_t unknowns = 0;
   for (const Group& g : prepared.structure->groups) unknowns += g.unknowns.size();
   return unknowns >= kWorthParts;

@@ -10,6 +10,7 @@
 #include "assur/ensemble.hpp"
 #include "index.hpp"
 #include "planning/prepare_at.hpp"
+#include "program/needs.hpp"
 #include "scene/lowering.hpp"
 #include "scene/names.hpp"
 #include "scene/outputs.hpp"
@@ -18,7 +19,6 @@
 #include "scene/scene_source.hpp"
 #include "side_by_side/walk_in_lanes.hpp"
 #include "structure/assembly.hpp"
-#include "structure/class_gears.hpp"
 #include "structure/directions.hpp"
 #include "structure/frame_axes.hpp"
 #include "structure/same_structure.hpp"
@@ -41,30 +41,6 @@ constexpr double kAsGuessed = 1e-12;  // internal units
 constexpr double kAsDrawn = 1e-9;     // relative residual of a posture as written that is closed but for rounding
 
 bool same_bits(double a, double b) { return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b); }
-
-// The reason why members of this structure cannot be bound; "": they can.
-std::string why_prepared_alone(const Prepared& p) {
-  const Structure& s = *p.structure;
-  const auto is_gear = [](const CallbackBlock& block) { return gear_of_class(block).has_value(); };
-  if (!std::all_of(s.system->callbacks.begin(), s.system->callbacks.end(), is_gear)) {
-    return "the scene has functions of the program";
-  }
-  for (const DriverInput& in : s.system->inputs) {
-    for (const Law& law : in.laws) {
-      const auto& parts = law.parts();
-      if (std::any_of(parts.begin(), parts.end(),
-                      [](const Law::Part& part) { return std::holds_alternative<Law::Function>(part); })) {
-        return "the scene has functions of the program";
-      }
-    }
-  }
-  std::vector<Index> mentioned;
-  for (const Index e : s.checks) {
-    s.system->mentioned(e, mentioned);
-    if (!mentioned.empty()) return "the scene has redundant equations";
-  }
-  return "";
-}
 
 // True if two mechanisms of one structure also have the same times and outputs.
 bool alike(const Prepared& a, const Prepared& b) {
@@ -92,7 +68,7 @@ class ValueTable::Binder : public MemberBinder {
     for (std::size_t l = 0; l < lanes; ++l) pointers_[l] = parameters_.data() + l * table.varying_.size();
     if (!table.assembly_) return;
     assembly_.emplace(*table.assembly_);
-    if (!structure.static_coordinates.empty()) return;
+    if (!can_take(Path::walk_in_lanes, needs_of(structure))) return;
     in_lanes_ = WalkInLanes::make(assembly_->system, table.assembly_->parts, structure.start, static_cast<int>(lanes),
                                   code_for(table, lanes));
   }
@@ -447,7 +423,7 @@ std::vector<double> ValueTable::between(std::size_t member, double from, double 
 
 void ValueTable::record() {
   depends_on_values_ = false;
-  why_not_ = first_ ? why_prepared_alone(*first_) : "";
+  why_not_ = first_ ? assur::why_not(Path::table, needs_of(*first_->structure)) : "";
   if (!why_not_.empty()) return;
   recorded_.assign(row(0).begin(), row(0).end());
   means_.assign(names_.size(), 0);

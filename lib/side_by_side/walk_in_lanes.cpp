@@ -6,6 +6,7 @@
 
 #include "backends/lanes_order.hpp"
 #include "index.hpp"
+#include "program/needs.hpp"
 #include "program/walk_step.hpp"
 #include "structure/classes.hpp"
 #include "structure/dense_block.hpp"
@@ -55,7 +56,7 @@ std::unique_ptr<WalkInLanes> WalkInLanes::make(const System& system, std::span<c
   std::vector<lanes::Elimination> eliminations;  // of the programs
   for (const Group& group : groups) {
     const GroupClass& c = classes[idx(group.group_class)];
-    if (!c.quadratic || !c.gears.empty()) return nullptr;
+    if (!can_take(Path::walk_in_lanes, needs_of(c))) return nullptr;
     const Pattern pattern = jacobian_pattern(c);
     lanes::Elimination elimination;
     if (pattern.n > kWithoutPivots) {

@@ -27,6 +27,12 @@ void check_limits(const StepLimits& limits) {
   }
 }
 
+Needs needs_of(const StepLimits& limits) {
+  Needs needs;
+  needs.add(Need::deadline, limits.seconds > 0);
+  return needs;
+}
+
 bool evenly_spaced(std::span<const double> times) {
   if (times.size() < 3) return true;
   const double step = times[1] - times[0];

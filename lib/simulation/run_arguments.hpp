@@ -4,6 +4,7 @@
 #include <span>
 
 #include "assur/simulator.hpp"
+#include "program/needs.hpp"
 
 namespace assur {
 
@@ -12,6 +13,8 @@ void check_times(std::span<const double> times);
 
 // Throws Error (input) if a limit is negative, or if most_iterations is 0.
 void check_limits(const StepLimits& limits);
+
+[[nodiscard]] Needs needs_of(const StepLimits& limits);
 
 // True if all steps are > 0 and equally long, except for the rounding of times. Always true for fewer than two steps.
 [[nodiscard]] bool evenly_spaced(std::span<const double> times);
