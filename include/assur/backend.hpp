@@ -23,6 +23,7 @@ struct Pattern {
 
   // Number of nonzeros.
   [[nodiscard]] std::int32_t nnz() const { return static_cast<std::int32_t>(row.size()); }
+  friend bool operator==(const Pattern&, const Pattern&) = default;
 };
 
 // Size of the systems of a class, and the operation counts that predict their cost. The counts are 0 where no plan

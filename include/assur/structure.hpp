@@ -15,29 +15,62 @@ namespace assur {
 
 class System;  // the equations with their coordinates; for use inside the library
 
-// The equations that all groups of a class share, in local numbers. Each group fills the slots for coordinates and
-// constants with its own. Local coordinates: 0 to n - 1 are unknowns, n to n + inputs - 1 inputs, -1 is the constant 1.
-// Local constants: -1 is the literal +1, -2 the literal -1, other numbers are slots. An affine form is a sum of terms;
-// an equation is a sum of products of forms plus one form:
-//   Phi_i = sum_products constant * form_a * form_b + linear form_i
+// The equations that all groups of a class share, as a program in local numbers: it computes Phi, the Jacobian, and the
+// right-hand sides of velocity and acceleration. It holds no numbers and no pointers: each group fills the slots for
+// coordinates and constants with its own, and members of an ensemble share it. Forms (differences) come first, then
+// products. Local coordinates are registers: 0 to n - 1 are unknowns, n to n + inputs - 1 inputs; then follow the
+// number one, and the forms that are no plain coordinate. Every list is processed in order.
 struct GroupClass {
-  // One addend of a form: constant * coordinate.
-  struct Term {
-    std::int32_t coordinate, constant;  // local numbers of coordinate and constant
-    friend bool operator==(const Term&, const Term&) = default;
+  // Content of a coefficient slot: literal * product of up to three constants of the group (-1: none).
+  struct Coefficient {
+    double literal = 1;
+    std::int32_t constant[3] = {-1, -1, -1};
+    friend bool operator==(const Coefficient&, const Coefficient&) = default;
   };
-  // One addend of an equation: constant * form_a * form_b.
+  // One addend: coefficient * register.
+  struct Operand {
+    std::int32_t coefficient, reg;
+    friend bool operator==(const Operand&, const Operand&) = default;
+  };
+  // One addend: coefficient * a * b.
   struct Product {
-    std::int32_t a, b, constant;  // a, b: forms; constant: local number
+    std::int32_t coefficient, a, b;  // a, b: registers
     friend bool operator==(const Product&, const Product&) = default;
   };
-  // One equation.
+  // [begin, end) of a list.
+  struct Range {
+    std::int32_t begin, end;
+    friend bool operator==(const Range&, const Range&) = default;
+  };
+  // A register as a sum of `operands`: first constants and inputs at rest, then moving inputs, then unknowns.
+  struct Form {
+    std::int32_t reg, begin, moving, unknowns, end;
+    friend bool operator==(const Form&, const Form&) = default;
+  };
+  // Ranges of the lists with these names. Phi_i = linear + products. -Phi_h h' = -(input_linear + input_products), with
+  // the rate of register a. -d/dt(Phi_q) q' = -curvature, with the rates of both registers.
   struct Equation {
-    std::int32_t products_begin, products_end;  // range in `products`; of a callback: its arguments, the forms `a`
-    std::int32_t linear;                        // the form that is added; -1: none
-    std::int32_t callback, row;                 // callback (-1: none), and its row that gives this equation
-    std::int32_t gear = -1;                     // index into `gears`, if the callback is a gear; -1: it is none
+    Range linear, products, input_linear, input_products, curvature;
+    std::int32_t factors;  // from there on, the linear operands are products with a constant factor
+    std::int32_t gear;     // -1: none
     friend bool operator==(const Equation&, const Equation&) = default;
+  };
+  // A callback of the scene, which gives some of the equations.
+  struct CallbackUse {
+    // An equation, and the row of the callback that gives it.
+    struct Row {
+      std::int32_t equation, row;
+      friend bool operator==(const Row&, const Row&) = default;
+    };
+    std::int32_t callback;                // index into the callbacks of the system
+    std::vector<Row> rows;                // rows in this group; redundant rows may be missing
+    std::vector<std::int32_t> arguments;  // registers; ~coefficient for a constant one
+    friend bool operator==(const CallbackUse&, const CallbackUse&) = default;
+  };
+  // Chain rule through an argument of a callback: J[row, argument] * coefficient.
+  struct CallbackEntry {
+    std::int32_t nonzero, callback, row, argument, coefficient;  // callback: index into `callbacks`
+    friend bool operator==(const CallbackEntry&, const CallbackEntry&) = default;
   };
   // A gear or rack: sin(total) = 0, or total = 0; total = sum of factor * coordinate over its sides.
   struct Gear {
@@ -49,34 +82,51 @@ struct GroupClass {
       friend bool operator==(const Side&, const Side&) = default;
     };
     std::vector<Side> sides;
-    bool is_periodic = false;  // sin(total)
-    std::vector<double> unit;  // arguments: SI value of one internal unit
+    bool is_periodic = false;                 // sin(total)
+    std::vector<double> unit;                 // arguments: SI value of one internal unit
+    std::vector<std::int32_t> arguments;      // registers; ~coefficient for a constant one
+    std::int32_t first = 0, first_angle = 0;  // arguments, and angles, of the gears before it
     friend bool operator==(const Gear&, const Gear&) = default;
+  };
+  // Chain rule through an argument of a gear, as CallbackEntry; ordered by nonzero.
+  struct GearEntry {
+    std::int32_t nonzero, gear, argument, coefficient;
+    friend bool operator==(const GearEntry&, const GearEntry&) = default;
   };
 
   std::int32_t n = 0;                        // unknowns, and equations
   std::int32_t inputs = 0;                   // coordinates that the equations read and do not solve
   std::int32_t constants = 0;                // slots for constants
   std::vector<std::uint8_t> input_moves;     // inputs: 0 if the input never changes
-  std::vector<std::int32_t> form_start;      // forms + 1: index into `terms` of the first term of each form
-  std::vector<Term> terms;                   // of all forms
-  std::vector<Product> products;             // of all equations
-  std::vector<Equation> equations;           // n
-  std::vector<Gear> gears;                   // of these equations
   std::int32_t blocks = 1;                   // irreducible blocks, numbered in solving order
   std::vector<std::int32_t> unknown_block;   // n: block of each unknown
   std::vector<std::int32_t> equation_block;  // n: block of each equation
   std::int32_t derivatives = 2;              // highest time derivative that is computed, 0 to 2
   std::int32_t first_wanted = 0;             // unknowns before this one are not needed in the highest derivative
-  bool quadratic = true;                     // false if there are equations of callbacks
 
-  // Number of forms.
-  [[nodiscard]] std::int32_t forms() const { return static_cast<std::int32_t>(form_start.size()) - 1; }
+  Pattern pattern;  // of the Jacobian: columns in the order of the unknowns, rows in the order of the equations
+  std::vector<Coefficient> coefficients;
+  std::vector<Form> forms;
+  std::vector<Operand> operands;  // of forms
+  std::vector<Equation> equations;
+  std::vector<Operand> linear, input_linear;
+  std::vector<Product> products, input_products, curvature;
+  std::vector<Range> entries;  // nonzeros of the Jacobian: each is a sum of `entry_operands`
+  std::vector<Operand> entry_operands;
+  std::vector<CallbackUse> callbacks;
+  std::vector<CallbackEntry> callback_entries;
+  std::vector<Gear> gears;
+  std::int32_t gear_arguments = 0, gear_angles = 0;  // of all gears
+  std::vector<GearEntry> gear_entries;
+
+  // The register that is 1.
+  [[nodiscard]] std::int32_t one() const { return n + inputs; }
+  // Number of registers.
+  [[nodiscard]] std::int32_t registers() const { return one() + 1 + static_cast<std::int32_t>(forms.size()); }
+  // False if there are equations of callbacks or gears.
+  [[nodiscard]] bool quadratic() const { return callbacks.empty() && gears.empty(); }
   friend bool operator==(const GroupClass&, const GroupClass&) = default;
 };
-
-// Pattern of the Jacobian of a class: columns in the order of its unknowns, rows in the order of its equations.
-[[nodiscard]] Pattern jacobian_pattern(const GroupClass& group_class);
 
 // Unknowns that are solved together, and the equations that determine them.
 struct Group {
@@ -180,7 +230,7 @@ struct Structure {
   // Needs the library assur::assur.
   [[nodiscard]] std::int32_t fill(const Group& group) const;
   // Pattern of the Jacobian of a class.
-  [[nodiscard]] Pattern pattern(std::int32_t group_class) const;
+  [[nodiscard]] const Pattern& pattern(std::int32_t group_class) const;
 };
 
 // Options of analyze().

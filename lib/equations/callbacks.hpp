@@ -1,4 +1,4 @@
-// Evaluates the callbacks of a constraint program: in SI units, lane after lane.
+// Evaluates the callbacks of a class: in SI units, lane after lane.
 #pragma once
 
 #include <vector>
@@ -11,9 +11,9 @@ namespace assur {
 // Registers and coefficients are those of the evaluator: register i of lane l is x[i * lanes + l].
 class CallbackRows {
  public:
-  CallbackRows(const System& system, const Program& program, int lanes);
+  CallbackRows(const System& system, const GroupClass& group_class, int lanes);
 
-  [[nodiscard]] bool empty() const { return program_.callbacks.empty(); }
+  [[nodiscard]] bool empty() const { return class_.callbacks.empty(); }
 
   // To be called first at each posture; the other functions are for the same coefficients and values.
   void residuals(const double* coefficients, const double* value, double* phi);
@@ -34,8 +34,8 @@ class CallbackRows {
     std::vector<double> phi;       // rows
     std::vector<double> jacobian;  // lanes x rows x arguments
   };
-  [[nodiscard]] const CallbackBlock& block(const Program::CallbackUse& use) const;
-  void load(const Program::CallbackUse& use, const double* constants, const double* from, int lane,
+  [[nodiscard]] const CallbackBlock& block(const GroupClass::CallbackUse& use) const;
+  void load(const GroupClass::CallbackUse& use, const double* constants, const double* from, int lane,
             std::vector<double>& x) const;
   void matrix(const double* coefficients, const double* value);
   [[nodiscard]] double derivative(std::size_t use, std::int32_t row, std::int32_t argument, int lane) const;
@@ -43,7 +43,7 @@ class CallbackRows {
   void for_each_argument(Use&& use_it) const;
 
   const System& system_;
-  const Program& program_;
+  const GroupClass& class_;
   int lanes_;
   std::vector<Scratch> scratch_;  // one for each use
   std::vector<double> least_;     // equations x lanes: of raise_scale()

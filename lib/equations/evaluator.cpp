@@ -22,8 +22,11 @@ class EvaluatorOf final : public Evaluator {
   using L = Lanes<W>;
 
  public:
-  EvaluatorOf(const System& system, const Program& program)
-      : n_(program.equations_count), p_(program), callbacks_(system, program, W), equations_(program) {}
+  EvaluatorOf(const System& system, const GroupClass& group_class)
+      : n_(static_cast<std::int32_t>(group_class.equations.size())),
+        class_(group_class),
+        callbacks_(system, group_class, W),
+        equations_(group_class) {}
 
   void set_inputs(const double* coefficients, const double* inputs) override {
     k_ = coefficients;
@@ -45,9 +48,8 @@ class EvaluatorOf final : public Evaluator {
   }
 
   void raise_scale(double* scale) override {
-    equations_.least_scale(k(), [scale](std::size_t i, const L& least) HWY_ATTR {
-      max_if_finite(L::load(scale + i * W), least).store(scale + i * W);
-    });
+    equations_.least_scale(k(), [scale](std::size_t i, const L& least)
+                                    HWY_ATTR { max_if_finite(L::load(scale + i * W), least).store(scale + i * W); });
     if (!callbacks_.empty()) callbacks_.raise_scale(k_, value(), scale);
   }
 
@@ -90,7 +92,7 @@ class EvaluatorOf final : public Evaluator {
     return [to](std::size_t i, const L& number) HWY_ATTR { number.store(to + i * W); };
   }
   HWY_INLINE void set_unknowns(const double* from, typename L::Array& registers) const {
-    for (std::int32_t j = 0; j < p_.n; ++j) registers.set(idx(j), at(from, j));
+    for (std::int32_t j = 0; j < class_.n; ++j) registers.set(idx(j), at(from, j));
   }
   HWY_INLINE auto k() const { return numbers(k_); }
   [[nodiscard]] const double* value() { return equations_.values().data(); }
@@ -115,8 +117,8 @@ class EvaluatorOf final : public Evaluator {
   // Divides the numbers of each lane by the largest of them, and returns the divisors. Ignores NaN.
   L to_unit_size(const Change& change) const {
     const auto each = [&](const auto& work) {
-      for (std::int32_t i = 0; i < p_.n; ++i) work(change.unknowns + i * W);
-      for (std::int32_t i = 0; i < p_.inputs; ++i) work(change.inputs + i * W);
+      for (std::int32_t i = 0; i < class_.n; ++i) work(change.unknowns + i * W);
+      for (std::int32_t i = 0; i < class_.inputs; ++i) work(change.inputs + i * W);
     };
     L largest = L::set(0);
     each([&](const double* x) {
@@ -130,25 +132,25 @@ class EvaluatorOf final : public Evaluator {
   }
 
   std::int32_t n_;  // equations
-  const Program& p_;
+  const GroupClass& class_;
   CallbackRows callbacks_;
   QuadraticEquations<L> equations_;
-  typename L::Array change_{idx(p_.registers)};
+  typename L::Array change_{idx(class_.registers())};
   const double* k_ = nullptr;  // coefficients of the current pack
 };
 
-Evaluator* make(const System& system, const Program& program, int lanes) {
+Evaluator* make(const System& system, const GroupClass& group_class, int lanes) {
   switch (lanes) {
     case 1:
-      return new EvaluatorOf<1>(system, program);
+      return new EvaluatorOf<1>(system, group_class);
     case 2:
-      return new EvaluatorOf<2>(system, program);
+      return new EvaluatorOf<2>(system, group_class);
     case 4:
-      return new EvaluatorOf<4>(system, program);
+      return new EvaluatorOf<4>(system, group_class);
     case 8:
-      return new EvaluatorOf<8>(system, program);
+      return new EvaluatorOf<8>(system, group_class);
     case 16:
-      return new EvaluatorOf<16>(system, program);
+      return new EvaluatorOf<16>(system, group_class);
     default:
       return nullptr;
   }
@@ -163,8 +165,8 @@ namespace assur {
 
 HWY_EXPORT(make);
 
-std::unique_ptr<Evaluator> make_evaluator(const System& system, const Program& program, int lanes) {
-  std::unique_ptr<Evaluator> evaluator(HWY_DYNAMIC_DISPATCH(make)(system, program, lanes));
+std::unique_ptr<Evaluator> make_evaluator(const System& system, const GroupClass& group_class, int lanes) {
+  std::unique_ptr<Evaluator> evaluator(HWY_DYNAMIC_DISPATCH(make)(system, group_class, lanes));
   if (!evaluator) throw std::invalid_argument("lanes must be 1, 2, 4, 8 or 16");
   return evaluator;
 }

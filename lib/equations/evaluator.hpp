@@ -1,4 +1,5 @@
-// Runs a Program over the W lanes of a pack. All arrays are [slot][lane]: slot i of lane l is x[i * W + l].
+// Runs the program of a class over the W lanes of a pack. All arrays are [slot][lane]: slot i of lane l is x[i * W +
+// l].
 #pragma once
 
 #include <memory>
@@ -45,7 +46,7 @@ class Evaluator {
   virtual void subtract_bend(const Change& a, const Change& b, double times, double* bent, double* out) = 0;
 };
 
-// lanes: 1, 2, 4, 8 or 16. `system` gives the callbacks; it and `program` must outlive the evaluator.
-[[nodiscard]] std::unique_ptr<Evaluator> make_evaluator(const System& system, const Program& program, int lanes);
+// lanes: 1, 2, 4, 8 or 16. `system` gives the callbacks; it and `group_class` must outlive the evaluator.
+[[nodiscard]] std::unique_ptr<Evaluator> make_evaluator(const System& system, const GroupClass& group_class, int lanes);
 
 }  // namespace assur

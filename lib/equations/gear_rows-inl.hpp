@@ -29,12 +29,12 @@ class GearRows {
   using Registers = typename L::Array;
 
  public:
-  explicit GearRows(const Program& program) : p_(program) {}
+  explicit GearRows(const GroupClass& group_class) : class_(group_class) {}
 
   // To be called first at each posture. The other functions are for one of the gears.
   template <class Coefficient>
   HWY_INLINE void evaluate(const Coefficient& k, const Registers& values) {
-    for (const Program::Gear& gear : p_.gears) evaluate(gear, k, values);
+    for (const GroupClass::Gear& gear : class_.gears) evaluate(gear, k, values);
   }
 
   // Phi. NaN if the wheels are far out of mesh, see scene/gear.hpp.
@@ -42,7 +42,7 @@ class GearRows {
 
   // dPhi / d(argument)
   [[nodiscard]] HWY_INLINE L derivative(std::int32_t gear, std::int32_t argument) const {
-    return cosine_[idx(gear)] * slope_[idx(p_.gears[idx(gear)].first + argument)];
+    return cosine_[idx(gear)] * slope_[idx(class_.gears[idx(gear)].first + argument)];
   }
 
   // The size of the terms: |factor| (1 + |angle|) of each angle, for its directions and itself, and |factor
@@ -65,10 +65,10 @@ class GearRows {
   template <class Coefficient>
   [[nodiscard]] HWY_INLINE L bend(std::int32_t gear, const Coefficient& k, const Registers& values, const Registers& a,
                                   const Registers& b) const {
-    const Program::Gear& of = p_.gears[idx(gear)];
+    const GroupClass::Gear& of = class_.gears[idx(gear)];
     L total = L::set(0);
     std::size_t first = 0, angle = idx(of.first_angle);
-    for (const GroupClass::Gear::Side& side : of.numbers.sides) {
+    for (const GroupClass::Gear::Side& side : of.sides) {
       if (side.arguments > 1) {
         const Directions at = directions(of, first, side, k, values);
         const L bent = bend(polar_[3 * angle], polar_[3 * angle + 1], polar_[3 * angle + 2], at,
@@ -92,7 +92,7 @@ class GearRows {
 
   template <class Use>
   HWY_INLINE void for_each_argument(std::int32_t gear, const Use& use) const {
-    const std::vector<std::int32_t>& arguments = p_.gears[idx(gear)].arguments;
+    const std::vector<std::int32_t>& arguments = class_.gears[idx(gear)].arguments;
     for (std::size_t a = 0; a < arguments.size(); ++a) {
       if (arguments[a] >= 0) use(static_cast<std::int32_t>(a), arguments[a]);
     }
@@ -100,7 +100,7 @@ class GearRows {
   [[nodiscard]] HWY_INLINE L total_change(std::int32_t gear, const Registers& by) const {
     L total = L::set(0);
     for_each_argument(gear, [&](std::int32_t a, std::int32_t reg) HWY_ATTR {
-      total.add_product(slope_[idx(p_.gears[idx(gear)].first + a)], by[idx(reg)]);
+      total.add_product(slope_[idx(class_.gears[idx(gear)].first + a)], by[idx(reg)]);
     });
     return total;
   }
@@ -119,21 +119,22 @@ class GearRows {
     return out;
   }
   template <class Coefficient>
-  static HWY_INLINE L argument(const Program::Gear& of, std::size_t a, const Coefficient& k, const Registers& values) {
+  static HWY_INLINE L argument(const GroupClass::Gear& of, std::size_t a, const Coefficient& k,
+                               const Registers& values) {
     const std::int32_t at = of.arguments[a];
-    return L::set(of.numbers.unit[a]) * (at >= 0 ? values[idx(at)] : k(~at));
+    return L::set(of.unit[a]) * (at >= 0 ? values[idx(at)] : k(~at));
   }
   template <class Coefficient>
-  static HWY_INLINE Directions directions(const Program::Gear& of, std::size_t first,
+  static HWY_INLINE Directions directions(const GroupClass::Gear& of, std::size_t first,
                                           const GroupClass::Gear::Side& side, const Coefficient& k,
                                           const Registers& values) {
     return directions(first, side.arguments, [&](std::size_t a) HWY_ATTR { return argument(of, a, k, values); });
   }
-  static HWY_INLINE Directions changes(const Program::Gear& of, std::size_t first, const GroupClass::Gear::Side& side,
-                                       const Registers& by) {
+  static HWY_INLINE Directions changes(const GroupClass::Gear& of, std::size_t first,
+                                       const GroupClass::Gear::Side& side, const Registers& by) {
     return directions(first, side.arguments, [&](std::size_t a) HWY_ATTR {
       const std::int32_t at = of.arguments[a];
-      return at >= 0 ? L::set(of.numbers.unit[a]) * by[idx(at)] : L::set(0);
+      return at >= 0 ? L::set(of.unit[a]) * by[idx(at)] : L::set(0);
     });
   }
 
@@ -156,13 +157,13 @@ class GearRows {
   }
 
   template <class Coefficient>
-  HWY_INLINE void evaluate(const Program::Gear& of, const Coefficient& k, const Registers& values) {
+  HWY_INLINE void evaluate(const GroupClass::Gear& of, const Coefficient& k, const Registers& values) {
     L total = L::set(0), scale = total;
     std::size_t first = 0, angle = idx(of.first_angle);
-    const std::size_t gear = static_cast<std::size_t>(&of - p_.gears.data());
+    const std::size_t gear = static_cast<std::size_t>(&of - class_.gears.data());
     const auto put = [&](std::size_t a, const L& slope)
-                         HWY_ATTR { slope_.set(idx(of.first) + a, L::set(of.numbers.unit[a]) * slope); };
-    for (const GroupClass::Gear::Side& side : of.numbers.sides) {
+                         HWY_ATTR { slope_.set(idx(of.first) + a, L::set(of.unit[a]) * slope); };
+    for (const GroupClass::Gear::Side& side : of.sides) {
       const L factor = L::set(side.factor);
       if (side.arguments == 1) {
         const L x = argument(of, first, k, values);
@@ -200,7 +201,7 @@ class GearRows {
       first += idx(side.arguments);
     }
     scale_.set(gear, scale);
-    if (!of.numbers.is_periodic) {
+    if (!of.is_periodic) {
       residual_.set(gear, total);
       cosine_.set(gear, L::set(1));
       sine_.set(gear, L::set(0));
@@ -237,10 +238,11 @@ class GearRows {
     return ((cb * sa - sb * ca) + (c * both_s - s * both_c) - of_a * square) * inverse;
   }
 
-  const Program& p_;
-  Registers slope_{idx(p_.gear_arguments)};   // d(total) / d(argument), of all gears
-  Registers polar_{3 * idx(p_.gear_angles)};  // of the angles of all gears: s, c, 1 / (s^2 + c^2), see evaluate()
-  Registers residual_{p_.gears.size()}, scale_{p_.gears.size()}, cosine_{p_.gears.size()}, sine_{p_.gears.size()};
+  const GroupClass& class_;
+  Registers slope_{idx(class_.gear_arguments)};   // d(total) / d(argument), of all gears
+  Registers polar_{3 * idx(class_.gear_angles)};  // of the angles of all gears: s, c, 1 / (s^2 + c^2), see evaluate()
+  Registers residual_{class_.gears.size()}, scale_{class_.gears.size()}, cosine_{class_.gears.size()},
+      sine_{class_.gears.size()};
 };
 
 // NOLINTNEXTLINE(google-readability-namespace-comments)

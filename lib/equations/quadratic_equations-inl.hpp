@@ -1,4 +1,4 @@
-// The quadratic equations and the gears of a class, as their Program lists them, with their derivatives, scales and
+// The quadratic equations and the gears of a class, as their class lists them, with their derivatives, scales and
 // bounds of their rounding: the one text for numbers in registers (Evaluator, SmallGroup) and for the programs of
 // steps. Included once for each target, inside its HWY_NAMESPACE (see Highway, "foreach_target.h").
 #if defined(ASSUR_QUADRATIC_EQUATIONS_INL) == defined(HWY_TARGET_TOGGLE)
@@ -29,13 +29,15 @@ namespace assur::HWY_NAMESPACE {
 // The first n registers are the unknowns; the caller sets them. Registers keep what a function needs of an earlier one.
 template <class L>
 class QuadraticEquations {
-  using Operand = Program::Operand;
-  using Product = Program::Product;
+  using Operand = GroupClass::Operand;
+  using Product = GroupClass::Product;
 
  public:
   using Array = typename L::Array;  // of registers
 
-  explicit QuadraticEquations(const Program& program) : p_(program) { value_.set(idx(p_.one()), L::set(1)); }
+  explicit QuadraticEquations(const GroupClass& group_class) : class_(group_class) {
+    value_.set(idx(class_.one()), L::set(1));
+  }
 
   [[nodiscard]] Array& values() { return value_; }
   [[nodiscard]] Array& input_rates() { return input_rate_; }
@@ -46,10 +48,10 @@ class QuadraticEquations {
   // The parts of the forms that do not depend on the unknowns.
   template <class Coefficient, class Input>
   HWY_INLINE void set_inputs(const Coefficient& k, const Input& h) {
-    for (std::int32_t i = 0; i < p_.inputs; ++i) value_.set(idx(p_.n + i), h(i));
-    for (std::size_t f = 0; f < p_.forms.size(); ++f) {
+    for (std::int32_t i = 0; i < class_.inputs; ++i) value_.set(idx(class_.n + i), h(i));
+    for (std::size_t f = 0; f < class_.forms.size(); ++f) {
       L total = L::set(0), magnitude = L::set(0);
-      for (const Operand& o : part(p_.operands, p_.forms[f].begin, p_.forms[f].unknowns)) {
+      for (const Operand& o : part(class_.operands, class_.forms[f].begin, class_.forms[f].unknowns)) {
         const L term = k(o.coefficient) * value(o.reg);
         total = total + term;
         magnitude = magnitude + abs(term);
@@ -62,15 +64,15 @@ class QuadraticEquations {
   // Phi, for the unknowns in values().
   template <class Coefficient, class Put>
   HWY_INLINE void evaluate(const Coefficient& k, const Put& put) {
-    for (std::size_t f = 0; f < p_.forms.size(); ++f) {
-      value_.set(idx(p_.forms[f].reg), sum(k, p_.forms[f].unknowns, p_.forms[f].end, value_, base_[f]));
+    for (std::size_t f = 0; f < class_.forms.size(); ++f) {
+      value_.set(idx(class_.forms[f].reg), sum(k, class_.forms[f].unknowns, class_.forms[f].end, value_, base_[f]));
     }
     gears_.evaluate(k, value_);
-    for (std::size_t i = 0; i < p_.equations.size(); ++i) {
-      const Program::Equation& e = p_.equations[i];
+    for (std::size_t i = 0; i < class_.equations.size(); ++i) {
+      const GroupClass::Equation& e = class_.equations[i];
       L total = e.gear < 0 ? L::set(0) : gears_.residual(e.gear);
-      for (const Operand& o : part(p_.linear, e.linear)) total.add_product(k(o.coefficient), value(o.reg));
-      for (const Product& q : part(p_.products, e.products)) {
+      for (const Operand& o : part(class_.linear, e.linear)) total.add_product(k(o.coefficient), value(o.reg));
+      for (const Product& q : part(class_.products, e.products)) {
         total.add_product(k(q.coefficient), value(q.a) * value(q.b));
       }
       put(i, total);
@@ -80,11 +82,11 @@ class QuadraticEquations {
   // After evaluate(): the nonzeros of the Jacobian.
   template <class Coefficient, class Put>
   HWY_INLINE void differentiate(const Coefficient& k, const Put& put) const {
-    const Program::GearEntry* of_gear = p_.gear_entries.data();
-    const Program::GearEntry* const end = of_gear + p_.gear_entries.size();
-    for (std::size_t e = 0; e < p_.entries.size(); ++e) {
+    const GroupClass::GearEntry* of_gear = class_.gear_entries.data();
+    const GroupClass::GearEntry* const end = of_gear + class_.gear_entries.size();
+    for (std::size_t e = 0; e < class_.entries.size(); ++e) {
       L total = L::set(0);
-      for (const Operand& o : part(p_.entry_operands, p_.entries[e])) {
+      for (const Operand& o : part(class_.entry_operands, class_.entries[e])) {
         total.add_product(k(o.coefficient), value(o.reg));
       }
       for (; of_gear != end && idx(of_gear->nonzero) == e; ++of_gear) {
@@ -97,21 +99,21 @@ class QuadraticEquations {
   // After evaluate(): sum_j |dPhi_i/dq_j| |q_j| + |constant|, over unknowns and inputs.
   template <class Coefficient, class Put>
   HWY_INLINE void scale(const Coefficient& k, const Put& put) {
-    for (std::int32_t i = 0; i <= p_.one(); ++i) magnitude_.set(idx(i), abs(value(i)));
-    for (std::size_t f = 0; f < p_.forms.size(); ++f) {
+    for (std::int32_t i = 0; i <= class_.one(); ++i) magnitude_.set(idx(i), abs(value(i)));
+    for (std::size_t f = 0; f < class_.forms.size(); ++f) {
       L total = base_magnitude_[f];
-      for (const Operand& o : part(p_.operands, p_.forms[f].unknowns, p_.forms[f].end)) {
+      for (const Operand& o : part(class_.operands, class_.forms[f].unknowns, class_.forms[f].end)) {
         total.add_product(abs(k(o.coefficient)), magnitude_[idx(o.reg)]);
       }
-      magnitude_.set(idx(p_.forms[f].reg), total);
+      magnitude_.set(idx(class_.forms[f].reg), total);
     }
-    for (std::size_t i = 0; i < p_.equations.size(); ++i) {
-      const Program::Equation& e = p_.equations[i];
+    for (std::size_t i = 0; i < class_.equations.size(); ++i) {
+      const GroupClass::Equation& e = class_.equations[i];
       L total = e.gear < 0 ? L::set(0) : gears_.scale(e.gear);
-      for (const Operand& o : part(p_.linear, e.linear)) {
+      for (const Operand& o : part(class_.linear, e.linear)) {
         total.add_product(abs(k(o.coefficient)), magnitude_[idx(o.reg)]);
       }
-      for (const Product& q : part(p_.products, e.products)) {
+      for (const Product& q : part(class_.products, e.products)) {
         L terms = magnitude_[idx(q.a)] * abs(value(q.b));
         terms.add_product(abs(value(q.a)), magnitude_[idx(q.b)]);
         total.add_product(abs(k(q.coefficient)), terms);
@@ -123,20 +125,20 @@ class QuadraticEquations {
   // After evaluate(): the lower bounds of scales that residual_scale() explains.
   template <class Coefficient, class Put>
   HWY_INLINE void least_scale(const Coefficient& k, const Put& put) const {
-    for (std::size_t i = 0; i < p_.equations.size(); ++i) {
-      const Program::Equation& e = p_.equations[i];
+    for (std::size_t i = 0; i < class_.equations.size(); ++i) {
+      const GroupClass::Equation& e = class_.equations[i];
       L least = e.gear < 0 ? L::set(0) : gears_.least_scale(e.gear), a = L::set(0), b = L::set(0);
-      for (const Operand& o : part(p_.linear, e.linear.begin, e.factors)) {
+      for (const Operand& o : part(class_.linear, e.linear.begin, e.factors)) {
         least.add_product(abs(k(o.coefficient)), coordinates_of(k, o.reg));
       }
       const auto multiply = [&](const L& first, const L& second) HWY_ATTR {
         a.add_product(first, first);
         b.add_product(second, second);
       };
-      for (const Operand& o : part(p_.linear, e.factors, e.linear.end)) {
-        if (o.reg != p_.one()) multiply(k(o.coefficient), value(o.reg));
+      for (const Operand& o : part(class_.linear, e.factors, e.linear.end)) {
+        if (o.reg != class_.one()) multiply(k(o.coefficient), value(o.reg));
       }
-      for (const Product& q : part(p_.products, e.products)) {
+      for (const Product& q : part(class_.products, e.products)) {
         if (q.a != q.b) multiply(k(q.coefficient) * value(q.a), value(q.b));
       }
       a = sqrt(a);
@@ -151,17 +153,17 @@ class QuadraticEquations {
   template <class Coefficient, class Put>
   HWY_INLINE void rounding(const Coefficient& k, const Put& put) {
     Array& error = magnitude_;
-    for (std::int32_t i = 0; i <= p_.one(); ++i) error.set(idx(i), L::set(0));
-    for (const Program::Form& f : p_.forms) {
+    for (std::int32_t i = 0; i <= class_.one(); ++i) error.set(idx(i), L::set(0));
+    for (const GroupClass::Form& f : class_.forms) {
       RoundedSum sum{L::set(0), L::set(0)};
-      for (const Operand& o : part(p_.operands, f.begin, f.end)) sum.add(k(o.coefficient), value(o.reg), L::set(0));
+      for (const Operand& o : part(class_.operands, f.begin, f.end)) sum.add(k(o.coefficient), value(o.reg), L::set(0));
       error.set(idx(f.reg), sum.error);
     }
-    for (std::size_t i = 0; i < p_.equations.size(); ++i) {
-      const Program::Equation& e = p_.equations[i];
+    for (std::size_t i = 0; i < class_.equations.size(); ++i) {
+      const GroupClass::Equation& e = class_.equations[i];
       RoundedSum sum{L::set(0), e.gear < 0 ? L::set(0) : gears_.rounding(e.gear)};
-      for (const Operand& o : part(p_.linear, e.linear)) sum.add(k(o.coefficient), value(o.reg), error[idx(o.reg)]);
-      for (const Product& q : part(p_.products, e.products)) {
+      for (const Operand& o : part(class_.linear, e.linear)) sum.add(k(o.coefficient), value(o.reg), error[idx(o.reg)]);
+      for (const Product& q : part(class_.products, e.products)) {
         const L a = value(q.a), b = value(q.b);
         L of_factors = error[idx(q.a)] * abs(b);
         of_factors.add_product(abs(a), error[idx(q.b)]);
@@ -176,8 +178,8 @@ class QuadraticEquations {
   template <class Coefficient, class Input, class Put>
   HWY_INLINE void velocity_rhs(const Coefficient& k, const Input& h, const Put& put) {
     derive(k, h, input_rate_);
-    for (std::size_t i = 0; i < p_.equations.size(); ++i) {
-      const Program::Equation& e = p_.equations[i];
+    for (std::size_t i = 0; i < class_.equations.size(); ++i) {
+      const GroupClass::Equation& e = class_.equations[i];
       L total = e.gear < 0 ? L::set(0) : L::set(0) - gears_.change(e.gear, input_rate_);
       subtract_inputs(k, e, input_rate_, total);
       put(i, total);
@@ -187,17 +189,17 @@ class QuadraticEquations {
   // After velocity_rhs(): -(Phi_h h'' + d/dt(Phi_q) q'), for the rates of the unknowns in rates(). h: accelerations
   template <class Coefficient, class Input, class Put>
   HWY_INLINE void acceleration_rhs(const Coefficient& k, const Input& h, const Put& put) {
-    for (std::int32_t i = p_.n; i < p_.one(); ++i) rate_.set(idx(i), input_rate_[idx(i)]);
-    for (const Program::Form& f : p_.forms) {
+    for (std::int32_t i = class_.n; i < class_.one(); ++i) rate_.set(idx(i), input_rate_[idx(i)]);
+    for (const GroupClass::Form& f : class_.forms) {
       rate_.set(idx(f.reg), sum(k, f.unknowns, f.end, rate_, input_rate_[idx(f.reg)]));
     }
     derive(k, h, acceleration_);
-    for (std::size_t i = 0; i < p_.equations.size(); ++i) {
-      const Program::Equation& e = p_.equations[i];
+    for (std::size_t i = 0; i < class_.equations.size(); ++i) {
+      const GroupClass::Equation& e = class_.equations[i];
       L total = L::set(0);
       if (e.gear >= 0)
         total = total - gears_.change(e.gear, acceleration_) - gears_.bend(e.gear, k, value_, rate_, rate_);
-      for (const Product& q : part(p_.curvature, e.curvature)) {
+      for (const Product& q : part(class_.curvature, e.curvature)) {
         total.subtract_product(k(q.coefficient), rate_[idx(q.a)] * rate_[idx(q.b)]);
       }
       subtract_inputs(k, e, acceleration_, total);
@@ -209,10 +211,10 @@ class QuadraticEquations {
   // of it
   template <class Coefficient, class Put>
   HWY_INLINE void twice_bend(const Coefficient& k, const Array& a, const Array& b, const Put& put) const {
-    for (std::size_t i = 0; i < p_.equations.size(); ++i) {
-      const Program::Equation& e = p_.equations[i];
+    for (std::size_t i = 0; i < class_.equations.size(); ++i) {
+      const GroupClass::Equation& e = class_.equations[i];
       L twice = e.gear < 0 ? L::set(0) : L::set(2) * gears_.bend(e.gear, k, value_, a, b);
-      for (const Product& q : part(p_.curvature, e.curvature)) {
+      for (const Product& q : part(class_.curvature, e.curvature)) {
         twice.add_product(k(q.coefficient), a[idx(q.a)] * b[idx(q.b)] + a[idx(q.b)] * b[idx(q.a)]);
       }
       put(i, twice);
@@ -221,14 +223,14 @@ class QuadraticEquations {
   // x, h: changes
   template <class Coefficient, class Unknown, class Input>
   HWY_INLINE void set_change(const Coefficient& k, const Unknown& x, const Input& h, Array& out) const {
-    for (std::int32_t j = 0; j < p_.n; ++j) out.set(idx(j), x(j));
-    for (std::int32_t i = 0; i < p_.inputs; ++i) out.set(idx(p_.n + i), h(i));
+    for (std::int32_t j = 0; j < class_.n; ++j) out.set(idx(j), x(j));
+    for (std::int32_t i = 0; i < class_.inputs; ++i) out.set(idx(class_.n + i), h(i));
     set_forms(k, out);
   }
   // The forms of the unknowns and of the moving inputs.
   template <class Coefficient>
   HWY_INLINE void set_forms(const Coefficient& k, Array& registers) const {
-    for (const Program::Form& f : p_.forms) {
+    for (const GroupClass::Form& f : class_.forms) {
       const L of_inputs = sum(k, f.moving, f.unknowns, registers, L::set(0));
       registers.set(idx(f.reg), sum(k, f.unknowns, f.end, registers, of_inputs));
     }
@@ -246,7 +248,7 @@ class QuadraticEquations {
     return {list.data() + begin, list.data() + end};
   }
   template <class T>
-  static HWY_INLINE Part<T> part(const std::vector<T>& list, const Program::Range& r) {
+  static HWY_INLINE Part<T> part(const std::vector<T>& list, const GroupClass::Range& r) {
     return part(list, r.begin, r.end);
   }
 
@@ -268,17 +270,18 @@ class QuadraticEquations {
 
   template <class Coefficient>
   HWY_INLINE L sum(const Coefficient& k, std::int32_t begin, std::int32_t end, const Array& registers, L total) const {
-    for (const Operand& o : part(p_.operands, begin, end)) total.add_product(k(o.coefficient), registers[idx(o.reg)]);
+    for (const Operand& o : part(class_.operands, begin, end))
+      total.add_product(k(o.coefficient), registers[idx(o.reg)]);
     return total;
   }
   // For a linear form: the sum of |coefficient| over its coordinates.
   template <class Coefficient>
   HWY_INLINE L coordinates_of(const Coefficient& k, std::int32_t r) const {
-    if (r <= p_.one()) return L::set(r < p_.one() ? 1 : 0);
-    const Program::Form& f = p_.forms[idx(r - p_.one() - 1)];  // the last registers, in order
+    if (r <= class_.one()) return L::set(r < class_.one() ? 1 : 0);
+    const GroupClass::Form& f = class_.forms[idx(r - class_.one() - 1)];  // the last registers, in order
     L total = L::set(0);
-    for (const Operand& o : part(p_.operands, f.begin, f.end)) {
-      if (o.reg != p_.one()) total = total + abs(k(o.coefficient));
+    for (const Operand& o : part(class_.operands, f.begin, f.end)) {
+      if (o.reg != class_.one()) total = total + abs(k(o.coefficient));
     }
     return total;
   }
@@ -286,28 +289,28 @@ class QuadraticEquations {
   // stay zero.
   template <class Coefficient, class Input>
   HWY_INLINE void derive(const Coefficient& k, const Input& h, Array& out) const {
-    for (std::int32_t i = 0; i < p_.inputs; ++i) out.set(idx(p_.n + i), h(i));
-    for (const Program::Form& f : p_.forms) {
+    for (std::int32_t i = 0; i < class_.inputs; ++i) out.set(idx(class_.n + i), h(i));
+    for (const GroupClass::Form& f : class_.forms) {
       if (f.moving != f.unknowns) out.set(idx(f.reg), sum(k, f.moving, f.unknowns, out, L::set(0)));
     }
   }
   // total -= sum of dPhi/dh * derivative over all inputs h that move
   template <class Coefficient>
-  HWY_INLINE void subtract_inputs(const Coefficient& k, const Program::Equation& e, const Array& derivative,
+  HWY_INLINE void subtract_inputs(const Coefficient& k, const GroupClass::Equation& e, const Array& derivative,
                                   L& total) const {
-    for (const Operand& o : part(p_.input_linear, e.input_linear)) {
+    for (const Operand& o : part(class_.input_linear, e.input_linear)) {
       total.subtract_product(k(o.coefficient), derivative[idx(o.reg)]);
     }
-    for (const Product& q : part(p_.input_products, e.input_products)) {
+    for (const Product& q : part(class_.input_products, e.input_products)) {
       total.subtract_product(k(q.coefficient), derivative[idx(q.a)] * value(q.b));
     }
   }
 
-  const Program& p_;
-  GearRows<L> gears_{p_};
-  Array value_{idx(p_.registers)}, magnitude_{idx(p_.registers)};
-  Array base_{p_.forms.size()}, base_magnitude_{p_.forms.size()};  // parts from constants and inputs
-  Array input_rate_{idx(p_.registers)}, rate_{idx(p_.registers)}, acceleration_{idx(p_.registers)};
+  const GroupClass& class_;
+  GearRows<L> gears_{class_};
+  Array value_{idx(class_.registers())}, magnitude_{idx(class_.registers())};
+  Array base_{class_.forms.size()}, base_magnitude_{class_.forms.size()};  // parts from constants and inputs
+  Array input_rate_{idx(class_.registers())}, rate_{idx(class_.registers())}, acceleration_{idx(class_.registers())};
 };
 
 // NOLINTNEXTLINE(google-readability-namespace-comments)

@@ -14,7 +14,7 @@
 
 namespace assur {
 
-// Coefficients and registers are those of a Program; the register of a form holds its known part.
+// Coefficients and registers are those of a class; the register of a form holds its known part.
 struct Separable {
   static constexpr std::int32_t kNone = -1;
 
@@ -37,10 +37,10 @@ struct Separable {
   std::vector<Known> known, moving_known;  // moving: the part whose register has a rate
 };
 
-// The separable form of a program; empty if there is none. input_moves: inputs, 0 if the input never changes.
-[[nodiscard]] std::optional<Separable> separate(const Program& program, std::span<const std::uint8_t> input_moves);
+// The separable form of a class; empty if there is none.
+[[nodiscard]] std::optional<Separable> separate(const GroupClass& group_class);
 
 // True for distances: each equation is a sum of (b_ij + x_j)^2, or of (b_ij - x_j)^2, and a constant g_i.
-[[nodiscard]] bool measures_distances(const Separable& separable, const Program& program);
+[[nodiscard]] bool measures_distances(const Separable& separable, const GroupClass& group_class);
 
 }  // namespace assur

@@ -76,7 +76,7 @@ ErrorEstimate::ErrorEstimate(const Structure& structure, Layout& layout, std::sp
   bool quadratic = true;
   for (const Pack& pack : layout.packs) {
     blocks += pack.omega.size();
-    quadratic = quadratic && layout.solvers[idx(pack.group_class)]->quadratic();
+    quadratic = quadratic && layout.solvers[idx(pack.group_class)]->group_class().quadratic();
   }
   systems_.reserve(mechanisms_.size());
   omega_.reserve(blocks);
@@ -97,7 +97,7 @@ void ErrorEstimate::find_reads() {
       if (of >= 0 && std::find(begin, reads_.end(), of) == reads_.end()) reads_.push_back(of);
     }
     const GroupSolver& solver = *layout_.solvers[idx(pack.group_class)];
-    std::fill_n(pack_of.begin() + static_cast<std::ptrdiff_t>(pack.unknowns), solver.program().n * solver.lanes(),
+    std::fill_n(pack_of.begin() + static_cast<std::ptrdiff_t>(pack.unknowns), solver.group_class().n * solver.lanes(),
                 static_cast<std::int32_t>(p));
   }
   reads_begin_.push_back(reads_.size());
@@ -428,7 +428,7 @@ void ErrorEstimate::find_worst() {
   for (std::size_t p = 0; p < layout_.packs.size(); ++p) {
     const Pack& pack = layout_.packs[p];
     const GroupSolver& solver = *layout_.solvers[idx(pack.group_class)];
-    const std::size_t w = idx(solver.lanes()), n = idx(solver.program().n);
+    const std::size_t w = idx(solver.lanes()), n = idx(solver.group_class().n);
     for (std::size_t i = 0; i < n * w; ++i) {
       const std::size_t lane = i % w, m = mechanisms_.size() > 1 ? lane : 0;
       const double error = regular_[p] != 0 ? of_coordinate(pack.unknowns + i) : kInfinity;

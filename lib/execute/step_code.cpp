@@ -60,30 +60,29 @@ class SharedCode final : public StepCode {
 
   [[nodiscard]] std::string vectors() const override { return all_.vectors == VectorCode::avx512 ? "AVX-512" : "AVX2"; }
 
-  CodeOfStep of(const GroupClass& group_class, const Program& equations, std::span<const std::int32_t> reads,
-                int lanes) override {
+  CodeOfStep of(const GroupClass& group_class, std::span<const std::int32_t> reads, int lanes) override {
     const std::lock_guard lock(all_.mutex);
     return all_.of_groups.of(group_class, lanes, [&]() -> std::optional<CodeOfStep> {
       if (left_ == 0) return std::nullopt;
-      const GroupProgram step = group_step(group_class, equations, reads);
+      const GroupProgram step = group_step(group_class, reads);
       auto executor = make(step.program, lanes);
       if (!executor) return std::nullopt;
       return CodeOfStep{std::move(*executor), step.work};
     });
   }
-  CodeOfClass of(const GroupClass& group_class, const Program& equations, const lanes::Elimination& elimination,
+  CodeOfClass of(const GroupClass& group_class, const lanes::Elimination& elimination,
                  std::span<const std::int32_t> reads, int lanes, bool makes) override {
     const std::lock_guard lock(all_.mutex);
     return all_.of_classes.of({group_class, elimination}, lanes, [&]() -> std::optional<CodeOfClass> {
       if (!makes || left_ == 0) return std::nullopt;
       if (!is_short(elimination, kMostInstructions)) return CodeOfClass{};
-      auto step = make(class_step(group_class, equations, elimination, reads), lanes);
+      auto step = make(class_step(group_class, elimination, reads), lanes);
       if (!step) return std::nullopt;
       if (!*step) return CodeOfClass{};
       std::optional<std::shared_ptr<const Executor>> anchor;
-      if (group_class.quadratic) anchor = make(class_anchor(group_class, equations, elimination), lanes);
-      auto factors = make(class_factors(group_class, equations, elimination), lanes);
-      auto changes = make(class_changes(group_class, equations, elimination), lanes);
+      if (group_class.quadratic()) anchor = make(class_anchor(group_class, elimination), lanes);
+      auto factors = make(class_factors(group_class, elimination), lanes);
+      auto changes = make(class_changes(group_class, elimination), lanes);
       return CodeOfClass{std::move(*step), anchor.value_or(nullptr), factors.value_or(nullptr),
                          changes.value_or(nullptr)};
     });

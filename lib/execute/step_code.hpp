@@ -39,12 +39,11 @@ class StepCode {
 
   // The code of group_step() for this number of lanes. It is made once, and then again only if many other classes were
   // asked for since. Several threads may call it at once.
-  [[nodiscard]] virtual CodeOfStep of(const GroupClass& group_class, const Program& equations,
-                                      std::span<const std::int32_t> reads, int lanes) = 0;
+  [[nodiscard]] virtual CodeOfStep of(const GroupClass& group_class, std::span<const std::int32_t> reads,
+                                      int lanes) = 0;
   // The code of a class with this elimination, likewise. makes: false if only code that was made before may be used
-  [[nodiscard]] virtual CodeOfClass of(const GroupClass& group_class, const Program& equations,
-                                       const lanes::Elimination& elimination, std::span<const std::int32_t> reads,
-                                       int lanes, bool makes) = 0;
+  [[nodiscard]] virtual CodeOfClass of(const GroupClass& group_class, const lanes::Elimination& elimination,
+                                       std::span<const std::int32_t> reads, int lanes, bool makes) = 0;
   // The code of any other program, likewise. Null if it is too long, or if there is no code.
   [[nodiscard]] virtual std::shared_ptr<const Executor> of(const StepProgram& program, int lanes) = 0;
 };

@@ -37,13 +37,13 @@ class BoxTestOf final : public BoxTest {
   }
 
  public:
-  explicit BoxTestOf(const Program& program) : p_(program), equations_(program) {}
+  explicit BoxTestOf(const GroupClass& group_class) : class_(group_class), equations_(group_class) {}
 
   void take(const Lane& of, const double* unknowns, const double* inputs) override {
     const auto k = coefficients(of);
     const auto into = [](Array& to) { return [&to](std::size_t i, const L& x) HWY_ATTR { to.set(i, x); }; };
     equations_.set_inputs(k, [inputs](std::int32_t i) HWY_ATTR { return L::load(inputs + i * W); });
-    for (std::int32_t j = 0; j < p_.n; ++j) equations_.values().set(idx(j), L::load(unknowns + j * W));
+    for (std::int32_t j = 0; j < class_.n; ++j) equations_.values().set(idx(j), L::load(unknowns + j * W));
     equations_.evaluate(k, into(phi_));
     equations_.differentiate(k, [&](std::size_t e, const L& there) HWY_ATTR {
       change_.set(e, L::set(kChangeBetween) * abs(of_lane(of, of.jacobian, static_cast<std::int32_t>(e)) - there));
@@ -55,7 +55,7 @@ class BoxTestOf final : public BoxTest {
       phi_.set(i, of_lane(of, phi, static_cast<std::int32_t>(i)));
       scale_.set(i, of_lane(of, scale, static_cast<std::int32_t>(i)));
     }
-    for (std::size_t e = 0; e < p_.entries.size(); ++e) change_.set(e, L::set(0));
+    for (std::size_t e = 0; e < class_.entries.size(); ++e) change_.set(e, L::set(0));
   }
 
   bool hold(const Lane& of, const Block& block, const double* inverse) override {
@@ -95,38 +95,39 @@ class BoxTestOf final : public BoxTest {
   // moves_ = (|change of J| + |Phi'' r|) r for the box of radius r: upper bounds, equation after equation of the block.
   void find_moves(const Lane& of, const Block& block) {
     const auto k = coefficients(of);
-    for (std::size_t i = 0; i < idx(p_.registers); ++i) register_change_.set(i, L::set(0));
+    for (std::size_t i = 0; i < idx(class_.registers()); ++i) register_change_.set(i, L::set(0));
     for (std::size_t j = 0; j < block.unknowns.size(); ++j) register_change_.set(idx(block.unknowns[j]), radius_[j]);
-    const auto add = [&](const std::vector<Program::Operand>& list, std::int32_t begin, std::int32_t end, L& sum)
+    const auto add = [&](const std::vector<GroupClass::Operand>& list, std::int32_t begin, std::int32_t end, L& sum)
                          HWY_ATTR {
                            for (std::int32_t i = begin; i < end; ++i) {
-                             const Program::Operand& o = list[idx(i)];
+                             const GroupClass::Operand& o = list[idx(i)];
                              sum.add_product(abs(k(o.coefficient)), register_change_[idx(o.reg)]);
                            }
                          };
-    for (const Program::Form& f : p_.forms) {
+    for (const GroupClass::Form& f : class_.forms) {
       L sum = L::set(0);
-      add(p_.operands, f.unknowns, f.end, sum);
+      add(class_.operands, f.unknowns, f.end, sum);
       register_change_.set(idx(f.reg), sum);
     }
     for (std::size_t e = 0; e < block.equations.size(); ++e) moves_.set(e, L::set(0));
     for (const Entry& e : block.entries) {
       L change = change_[idx(e.nonzero)], move = moves_[idx(e.row)];
-      const Program::Range operands = p_.entries[idx(e.nonzero)];
-      add(p_.entry_operands, operands.begin, operands.end, change);
+      const GroupClass::Range operands = class_.entries[idx(e.nonzero)];
+      add(class_.entry_operands, operands.begin, operands.end, change);
       move.add_product(change, radius_[idx(e.column)]);
       moves_.set(idx(e.row), move);
     }
   }
 
-  const Program& p_;
+  const GroupClass& class_;
   QuadraticEquations<L> equations_;
-  Array phi_{idx(p_.n)}, scale_{idx(p_.n)}, defect_{idx(p_.n)}, radius_{idx(p_.n)}, moves_{idx(p_.n)};
-  Array change_{p_.entries.size()};           // of the Jacobian
-  Array register_change_{idx(p_.registers)};  // in the box
+  Array phi_{idx(class_.n)}, scale_{idx(class_.n)}, defect_{idx(class_.n)}, radius_{idx(class_.n)},
+      moves_{idx(class_.n)};
+  Array change_{class_.entries.size()};             // of the Jacobian
+  Array register_change_{idx(class_.registers())};  // in the box
 };
 
-BoxTest* make(const Program& program) { return new BoxTestOf(program); }
+BoxTest* make(const GroupClass& group_class) { return new BoxTestOf(group_class); }
 
 }  // namespace
 }  // namespace assur::HWY_NAMESPACE
@@ -137,8 +138,8 @@ namespace assur {
 
 HWY_EXPORT(make);
 
-std::unique_ptr<BoxTest> make_box_test(const Program& program) {
-  return std::unique_ptr<BoxTest>(HWY_DYNAMIC_DISPATCH(make)(program));
+std::unique_ptr<BoxTest> make_box_test(const GroupClass& group_class) {
+  return std::unique_ptr<BoxTest>(HWY_DYNAMIC_DISPATCH(make)(group_class));
 }
 
 }  // namespace assur

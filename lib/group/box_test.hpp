@@ -39,6 +39,6 @@ class BoxTest {
   [[nodiscard]] virtual bool hold(const Lane& of, const Block& block, const double* inverse) = 0;
 };
 
-[[nodiscard]] std::unique_ptr<BoxTest> make_box_test(const Program& program);
+[[nodiscard]] std::unique_ptr<BoxTest> make_box_test(const GroupClass& group_class);
 
 }  // namespace assur

@@ -62,30 +62,32 @@ double largest_of(const std::vector<double>& numbers, std::size_t n, std::size_t
 
 }  // namespace
 
-BlockConditions::BlockConditions(const GroupClass& group_class, const Program& p, int lanes, bool by_solver)
-    : program_(p), lanes_(lanes), by_solver_(by_solver), boxes_(make_box_test(p)) {
-  std::vector<std::int32_t> column(idx(p.n)), row(idx(p.n));  // of unknowns and equations, within their blocks
-  std::vector<std::vector<std::int32_t>> unknowns(idx(p.blocks)), equations(idx(p.blocks));
-  std::vector<std::vector<BoxTest::Entry>> entries(idx(p.blocks));
-  for (std::int32_t i = 0; i < p.n; ++i) {
-    auto& u = unknowns[idx(p.unknown_block[idx(i)])];
+BlockConditions::BlockConditions(const GroupClass& group_class, int lanes, bool by_solver)
+    : class_(group_class), lanes_(lanes), by_solver_(by_solver), boxes_(make_box_test(group_class)) {
+  std::vector<std::int32_t> column(idx(group_class.n)),
+      row(idx(group_class.n));  // of unknowns and equations, within their blocks
+  std::vector<std::vector<std::int32_t>> unknowns(idx(group_class.blocks)), equations(idx(group_class.blocks));
+  std::vector<std::vector<BoxTest::Entry>> entries(idx(group_class.blocks));
+  for (std::int32_t i = 0; i < group_class.n; ++i) {
+    auto& u = unknowns[idx(group_class.unknown_block[idx(i)])];
     column[idx(i)] = static_cast<std::int32_t>(u.size());
     u.push_back(i);
-    auto& e = equations[idx(p.equation_block[idx(i)])];
+    auto& e = equations[idx(group_class.equation_block[idx(i)])];
     row[idx(i)] = static_cast<std::int32_t>(e.size());
     e.push_back(i);
   }
-  for (std::int32_t c = 0; c < p.n; ++c) {
-    const std::int32_t b = p.unknown_block[idx(c)];
-    for (std::int32_t k = p.pattern.column_start[idx(c)]; k < p.pattern.column_start[idx(c) + 1]; ++k) {
-      const std::size_t r = idx(p.pattern.row[idx(k)]);
-      if (p.equation_block[r] == b) entries[idx(b)].push_back({k, row[r], column[idx(c)]});
+  for (std::int32_t c = 0; c < group_class.n; ++c) {
+    const std::int32_t b = group_class.unknown_block[idx(c)];
+    for (std::int32_t k = group_class.pattern.column_start[idx(c)]; k < group_class.pattern.column_start[idx(c) + 1];
+         ++k) {
+      const std::size_t r = idx(group_class.pattern.row[idx(k)]);
+      if (group_class.equation_block[r] == b) entries[idx(b)].push_back({k, row[r], column[idx(c)]});
     }
   }
   unknown_start_ = entry_start_ = {0};
   std::int32_t largest = 0;
   bool needs_vector = false;
-  for (std::int32_t b = 0; b < p.blocks; ++b) {
+  for (std::int32_t b = 0; b < group_class.blocks; ++b) {
     unknowns_.insert(unknowns_.end(), unknowns[idx(b)].begin(), unknowns[idx(b)].end());
     equations_.insert(equations_.end(), equations[idx(b)].begin(), equations[idx(b)].end());
     entries_.insert(entries_.end(), entries[idx(b)].begin(), entries[idx(b)].end());
@@ -98,29 +100,42 @@ BlockConditions::BlockConditions(const GroupClass& group_class, const Program& p
   inverse_.resize(matrix_.size());
   inverted_.assign(matrix_.size(), kNan);
   for (std::vector<double>* v : {&of_lipschitz_, &of_scale_}) v->resize(idx(largest) * idx(lanes));
-  if (needs_vector) vector_.resize(kRightSides * idx(p.n) * idx(lanes));
+  if (needs_vector) vector_.resize(kRightSides * idx(group_class.n) * idx(lanes));
   find_reads(group_class);
 }
 
 void BlockConditions::find_reads(const GroupClass& c) {
   std::vector<std::int32_t> last(idx(c.n + c.inputs), -1);  // block that has listed the coordinate already
   std::vector<std::vector<std::int32_t>> reads(idx(c.blocks));
-  for (std::size_t i = 0; i < c.equations.size(); ++i) {
-    const std::int32_t b = c.equation_block[i];
-    const auto take = [&](std::int32_t form) {
-      for (std::int32_t t = c.form_start[idx(form)]; t < c.form_start[idx(form) + 1]; ++t) {
-        const std::int32_t x = c.terms[idx(t)].coordinate;
-        if (x < 0 || (x >= c.n && c.input_moves[idx(x - c.n)] == 0) || last[idx(x)] == b) continue;
-        last[idx(x)] = b;
-        reads[idx(b)].push_back(x);
-      }
-    };
-    const GroupClass::Equation& e = c.equations[i];
-    if (e.linear >= 0) take(e.linear);
-    for (std::int32_t k = e.products_begin; k < e.products_end; ++k) {
-      take(c.products[idx(k)].a);
-      if (c.products[idx(k)].b >= 0) take(c.products[idx(k)].b);
+  const auto take = [&](std::int32_t coordinate, std::int32_t b) {
+    const bool moves = coordinate < c.n || (coordinate < c.one() && c.input_moves[idx(coordinate - c.n)] != 0);
+    if (!moves || last[idx(coordinate)] == b) return;
+    last[idx(coordinate)] = b;
+    reads[idx(b)].push_back(coordinate);
+  };
+  const auto take_register = [&](std::int32_t reg, std::int32_t b) {
+    if (reg <= c.one()) return take(reg, b);
+    const GroupClass::Form& f = c.forms[idx(reg - c.one() - 1)];  // the last registers, in order
+    for (std::int32_t o = f.begin; o < f.end; ++o) take(c.operands[idx(o)].reg, b);
+  };
+  const auto take_arguments = [&](const std::vector<std::int32_t>& arguments, std::int32_t b) {
+    for (const std::int32_t argument : arguments) {
+      if (argument >= 0) take_register(argument, b);
     }
+  };
+  for (std::size_t i = 0; i < c.equations.size(); ++i) {
+    const GroupClass::Equation& e = c.equations[i];
+    const std::int32_t b = c.equation_block[i];
+    for (std::int32_t o = e.linear.begin; o < e.linear.end; ++o) take_register(c.linear[idx(o)].reg, b);
+    for (std::int32_t o = e.products.begin; o < e.products.end; ++o) {
+      take_register(c.products[idx(o)].a, b);
+      take_register(c.products[idx(o)].b, b);
+    }
+    if (e.gear >= 0) take_arguments(c.gears[idx(e.gear)].arguments, b);
+  }
+  for (const GroupClass::CallbackUse& use : c.callbacks) {
+    for (const GroupClass::CallbackUse::Row& r : use.rows)
+      take_arguments(use.arguments, c.equation_block[idx(r.equation)]);
   }
   reads_start_ = {0};
   for (const auto& r : reads) {
@@ -194,7 +209,7 @@ bool BlockConditions::has_inverse(std::int32_t b, int lane, const double* jacobi
 void BlockConditions::norms_by_solver(std::int32_t b, const Weights& weights, LinearSolver& solver, const Norms& norms,
                                       const double* jacobian, std::span<const std::uint8_t> lanes) {
   const auto rows = equations(b), columns = unknowns(b);
-  const std::size_t w = idx(lanes_), n = idx(program_.n) * w;  // n: of a right-hand side
+  const std::size_t w = idx(lanes_), n = idx(class_.n) * w;  // n: of a right-hand side
   for (std::vector<double>* v : {&of_lipschitz_, &of_scale_}) std::fill_n(v->begin(), rows.size() * w, 0.0);
   for (std::size_t first = 0; first < rows.size(); first += kRightSides) {
     const std::size_t some = std::min<std::size_t>(kRightSides, rows.size() - first);
@@ -260,7 +275,7 @@ bool BlockConditions::hold_one_solution(std::int32_t b, const BoxTest::Lane& of,
 bool BlockConditions::holds_one_solution(std::int32_t b, const BoxTest::Lane& of, const double* phi,
                                          const double* scale) {
   if (!invert(b, of)) return false;
-  boxes_->take(of, phi, scale, idx(program_.equations_count));
+  boxes_->take(of, phi, scale, class_.equations.size());
   return hold(b, of);
 }
 
@@ -269,7 +284,7 @@ bool BlockConditions::holds_one_solution(std::int32_t b, const BoxTest::Lane& of
 void BlockConditions::sparse_norms(std::int32_t b, const double* weights, LinearSolver& solver, double* norms) {
   const auto columns = unknowns(b), rows = equations(b);
   const std::int32_t n = size(b);
-  const std::span<double> vector = std::span(vector_).first(idx(program_.n) * idx(lanes_));
+  const std::span<double> vector = std::span(vector_).first(idx(class_.n) * idx(lanes_));
   const auto at = [&](std::int32_t i, int w) -> double& { return vector[idx(i * lanes_ + w)]; };
   std::fill_n(norms, lanes_, 0.0);
   // Starts with the row of J^-1 D whose product with a vector of ones is largest.
@@ -284,7 +299,7 @@ void BlockConditions::sparse_norms(std::int32_t b, const double* weights, Linear
       for (const std::int32_t c : columns) {
         if (!(std::abs(at(c, w)) <= std::abs(at(worst, w)))) worst = c;
       }
-      for (std::int32_t i = 0; i < program_.n; ++i) at(i, w) = 0;
+      for (std::int32_t i = 0; i < class_.n; ++i) at(i, w) = 0;
       at(worst, w) = 1;
     }
     if (!solver.solve(vector, 1, Transpose::yes).ok()) break;
@@ -296,8 +311,8 @@ void BlockConditions::sparse_norms(std::int32_t b, const double* weights, Linear
       }
       norms[w] = std::isfinite(sum) ? std::max(norms[w], sum) : kInfinity;
       for (const std::int32_t r : rows) at(r, w) = std::copysign(weights[r * lanes_ + w], at(r, w));
-      for (std::int32_t i = 0; i < program_.n; ++i) {
-        if (program_.equation_block[idx(i)] != b) at(i, w) = 0;
+      for (std::int32_t i = 0; i < class_.n; ++i) {
+        if (class_.equation_block[idx(i)] != b) at(i, w) = 0;
       }
     }
   }

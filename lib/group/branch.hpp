@@ -33,7 +33,7 @@ namespace assur {
 class BlockConditions {
  public:
   // by_solver: blocks of more than three unknowns are inverted by solutions of a LinearSolver
-  BlockConditions(const GroupClass& group_class, const Program& program, int lanes, bool by_solver = false);
+  BlockConditions(const GroupClass& group_class, int lanes, bool by_solver = false);
 
   // Computes for one block, in every lane, omega = | |J^-1| k |_inf and | |J^-1| s |_inf with the scales s
   // (Evaluator::scale) of its equations. The second one times the relative residual is an error of the posture. Both
@@ -104,7 +104,7 @@ class BlockConditions {
                        const double* jacobian, std::span<const std::uint8_t> lanes);
   void sparse_norms(std::int32_t block, const double* weights, LinearSolver& solver, double* norms);
 
-  const Program& program_;
+  const GroupClass& class_;
   int lanes_;
   bool by_solver_;
   std::vector<std::int32_t> unknown_start_, unknowns_;  // by block
@@ -115,7 +115,7 @@ class BlockConditions {
   std::vector<double> of_lipschitz_, of_scale_;         // its unknowns x lanes
   std::unique_ptr<BoxTest> boxes_;
   std::vector<std::int32_t> reads_start_, reads_;  // by block
-  std::vector<double> vector_;  // right-hand sides x n x lanes, if a block needs a solver
+  std::vector<double> vector_;                     // right-hand sides x n x lanes, if a block needs a solver
 };
 
 }  // namespace assur

@@ -10,11 +10,9 @@
 namespace assur {
 
 BranchGuard::BranchGuard(Workspace& work, JacobianSolver& solver)
-    : work_(work),
-      solver_(solver),
-      blocks_(work.group_class, work.program, work.lanes, has_small_steps(solver.settings())) {
-  there_.resize(idx(work_.program.n) * BoxTest::kPostures);
-  there_inputs_.resize(idx(work_.program.inputs) * BoxTest::kPostures);
+    : work_(work), solver_(solver), blocks_(work.group_class, work.lanes, has_small_steps(solver.settings())) {
+  there_.resize(idx(work_.group_class.n) * BoxTest::kPostures);
+  there_inputs_.resize(idx(work_.group_class.inputs) * BoxTest::kPostures);
   for (LaneArray* v : {&omega_, &used_}) v->resize(idx(work_.lanes));
   changes_.resize(idx(work_.lanes));
   posture_errors_.resize(idx(work_.lanes));
@@ -23,8 +21,8 @@ BranchGuard::BranchGuard(Workspace& work, JacobianSolver& solver)
 // Fills used_.
 void BranchGuard::use_ball(const Pack& pack, const double* x, std::int32_t b) {
   const auto reads = blocks_.reads(b);
-  work_.kernels.ball_use(reads.data(), static_cast<std::int32_t>(reads.size()), work_.program.n, x, work_.inputs.data(),
-                         pack.anchor.data() + blocks_.reads_start(b) * idx(work_.lanes),
+  work_.kernels.ball_use(reads.data(), static_cast<std::int32_t>(reads.size()), work_.group_class.n, x,
+                         work_.inputs.data(), pack.anchor.data() + blocks_.reads_start(b) * idx(work_.lanes),
                          pack.omega.data() + b * work_.lanes, used_.data());
 }
 
@@ -46,14 +44,14 @@ bool BranchGuard::tube_leads_here(const Pack& pack, double* const (&state)[3], s
   if (!std::isfinite(seconds)) return false;
   const double *x = state[0] + pack.unknowns, *rate = state[1] + pack.unknowns;
   work_.gather(pack, state[1], work_.input_rates);
-  const std::size_t w = idx(work_.lanes), first = blocks_.reads_start(b) * w + idx(lane), n = idx(work_.program.n);
+  const std::size_t w = idx(work_.lanes), first = blocks_.reads_start(b) * w + idx(lane), n = idx(work_.group_class.n);
   const auto row = [&](std::size_t c) {
     return (c < n ? there_ : there_inputs_).data() + (c < n ? c : c - n) * BoxTest::kPostures;
   };
   const auto at = [&](std::size_t c, const double* unknowns, const LaneArray& inputs) {
     return c < n ? unknowns[c * w + idx(lane)] : inputs[(c - n) * w + idx(lane)];
   };
-  for (std::size_t c = 0; c < n + idx(work_.program.inputs); ++c) {
+  for (std::size_t c = 0; c < n + idx(work_.group_class.inputs); ++c) {
     std::fill_n(row(c), BoxTest::kPostures, at(c, x, work_.inputs));
   }
   const auto reads = blocks_.reads(b);
@@ -115,8 +113,8 @@ void BranchGuard::move_anchor(Pack& pack, const double* const (&state)[3], std::
   const std::size_t first = blocks_.reads_start(b) * w;
   double *anchor = pack.anchor.data() + first + lane, *rates = pack.anchor_rates.data() + first + lane;
   for (const std::int32_t c : blocks_.reads(b)) {
-    const bool unknown = c < work_.program.n;
-    const std::size_t at = (unknown ? pack.unknowns + idx(c) * w : idx(c - work_.program.n) * w) + lane;
+    const bool unknown = c < work_.group_class.n;
+    const std::size_t at = (unknown ? pack.unknowns + idx(c) * w : idx(c - work_.group_class.n) * w) + lane;
     *anchor = unknown ? state[0][at] : work_.inputs[at];
     *rates = unknown ? state[1][at] : work_.input_rates[at];
     anchor += w;
@@ -131,7 +129,7 @@ bool BranchGuard::is_near(const Pack& pack, std::int32_t b, int lane) const {
 }
 
 bool BranchGuard::is_near(const Pack& pack) const {
-  for (std::int32_t b = 0; b < work_.program.blocks; ++b) {
+  for (std::int32_t b = 0; b < work_.group_class.blocks; ++b) {
     for (int l = 0; l < pack.used; ++l) {
       if (!is_near(pack, b, l)) return false;
     }
@@ -142,7 +140,7 @@ bool BranchGuard::is_near(const Pack& pack) const {
 // If omega |first correction| <= 1/4 of the rest of the ball, the iteration converges to the one solution nearby. If
 // not, a box around the prediction, whose equations the workspace holds, must contain exactly one solution.
 Status BranchGuard::check_first_correction(const Pack& pack) {
-  for (std::int32_t b = 0; b < work_.program.blocks; ++b) {
+  for (std::int32_t b = 0; b < work_.group_class.blocks; ++b) {
     for (int l = 0; l < pack.used; ++l) {
       if (is_near(pack, b, l)) continue;
       work_.evaluator->scale(work_.scale.data());
@@ -165,11 +163,11 @@ bool BranchGuard::stays_inside(double used, double& before) {
 
 Status BranchGuard::check(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters,
                           const BlockConditions::Norms* known) {
-  if (!work_.group_class.quadratic) return {};
+  if (!work_.group_class.quadratic()) return {};
   blocks_.forget_inverse();
   const double* x = state[0] + pack.unknowns;
   pack.keep_use(attempt.number);
-  for (std::int32_t b = 0; b < work_.program.blocks; ++b) {
+  for (std::int32_t b = 0; b < work_.group_class.blocks; ++b) {
     // At the start, after a change point, and before the next step of this length would leave the ball.
     std::fill(changes_.begin(), changes_.end(), std::uint8_t{1});
     if (attempt.branch == Attempt::Branch::inside) {

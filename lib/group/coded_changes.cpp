@@ -11,7 +11,7 @@ CodedChanges::CodedChanges(const Workspace& work) : work_(work) {
   if (!has_class_step(work.group_class)) return;
   const std::size_t w = idx(work.lanes);
   for (LaneArray* of : {&inputs_, &input_changes_}) of->assign(work.inputs.size(), 0.0);
-  values_.assign(work_of_changes(work.program) * w, 0.0);
+  values_.assign(work_of_changes(work.group_class) * w, 0.0);
   failed_.assign(w, 0.0);
   at(Memory::inputs) = inputs_.data();
   at(Memory::input_rates) = input_changes_.data();

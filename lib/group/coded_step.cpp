@@ -43,7 +43,7 @@ class CodedStep final : public SmallStep {
 CodedStep::CodedStep(const Workspace& work, CodeOfStep code, std::shared_ptr<const Executor> anchors)
     : work_(work), code_(std::move(code.executor)), anchors_(std::move(anchors)) {
   const std::size_t w = idx(work.lanes);
-  for (LaneArray& of : inputs_) of.assign(idx(work.program.inputs) * w, 0.0);
+  for (LaneArray& of : inputs_) of.assign(idx(work.group_class.inputs) * w, 0.0);
   values_.assign(code.work * w, 0.0);
   figures_.assign(kGroupFigures * w, 0.0);
   at(Memory::inputs) = inputs_[0].data();
@@ -63,7 +63,7 @@ bool CodedStep::run(const Pack& pack, double* const (&state)[3], int most_iterat
       for (std::size_t d = 0; d <= idx(derivatives); ++d) inputs_[d][i] = state[d][from];
     }
   } else {
-    work_.kernels.gather_all(pack.input_rows.data(), pack.inputs.data(), work_.program.inputs, state,
+    work_.kernels.gather_all(pack.input_rows.data(), pack.inputs.data(), work_.group_class.inputs, state,
                              &at(Memory::inputs), derivatives + 1);
   }
   settings_[slot_of(GroupSetting::converged_at).index] = converged;
@@ -118,15 +118,14 @@ const double* CodedStep::renew_anchors(Pack& pack, double* const (&)[3], double 
 
 std::unique_ptr<SmallStep> make_interpreted_step(const Workspace& work, const BlockConditions& blocks) {
   const auto reads = blocks.reads(0);
-  const GroupProgram step = group_step(work.group_class, work.program, reads);
-  return std::make_unique<CodedStep>(
-      work, CodeOfStep{make_interpreter(step.program, work.lanes), step.work},
-      make_interpreter(anchor_program(work.group_class, work.program, reads), work.lanes));
+  const GroupProgram step = group_step(work.group_class, reads);
+  return std::make_unique<CodedStep>(work, CodeOfStep{make_interpreter(step.program, work.lanes), step.work},
+                                     make_interpreter(anchor_program(work.group_class, reads), work.lanes));
 }
 
 std::unique_ptr<SmallStep> make_coded_step(const Workspace& work, const BlockConditions& blocks, StepCode& code) {
-  CodeOfStep of_step = code.of(work.group_class, work.program, blocks.reads(0), work.lanes);
-  auto anchors = code.of(anchor_program(work.group_class, work.program, blocks.reads(0)), work.lanes);
+  CodeOfStep of_step = code.of(work.group_class, blocks.reads(0), work.lanes);
+  auto anchors = code.of(anchor_program(work.group_class, blocks.reads(0)), work.lanes);
   if (!of_step.executor || !anchors) return nullptr;
   return std::make_unique<CodedStep>(work, std::move(of_step), std::move(anchors));
 }

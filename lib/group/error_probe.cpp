@@ -27,16 +27,17 @@ ErrorProbe::ErrorProbe(const System& system, Workspace& work, JacobianSolver& so
     : work_(work),
       solver_(solver),
       blocks_(blocks),
-      side_by_side_(work.group_class.quadratic ? std::max<std::size_t>(kVectorLanes / idx(work.lanes), 1) : 1),
+      side_by_side_(work.group_class.quadratic() ? std::max<std::size_t>(kVectorLanes / idx(work.lanes), 1) : 1),
       lanes_(idx(work.lanes)),
       size_(work.size()),
-      evaluator_(side_by_side_ > 1 ? make_evaluator(system, work.program, static_cast<int>(kVectorLanes)) : nullptr),
+      evaluator_(side_by_side_ > 1 ? make_evaluator(system, work.group_class, static_cast<int>(kVectorLanes))
+                                   : nullptr),
       coded_(work) {
   for (LaneArray* v : {&residual_, &noise_, &tolerance_, &whole_}) v->resize(size_);
   for (LaneArray* v : {&rhs_, &error_, &bent_, &probe_, &direction_}) v->resize(size_ * side_by_side_);
   for (LaneArray* v : {&input_errors_, &input_direction_}) v->resize(work_.inputs.size() * side_by_side_);
   if (evaluator_ == nullptr) return;
-  coefficients_.resize((idx(one_coefficient(work.program)) + 1) * lanes_ * side_by_side_);
+  coefficients_.resize((idx(one_coefficient(work.group_class)) + 1) * lanes_ * side_by_side_);
   inputs_.resize(input_errors_.size());
   unknowns_.resize(error_.size());
 }
@@ -147,7 +148,7 @@ GroupHealth ErrorProbe::examine(Pack& pack, const double* state) {
     worst = std::max(worst, std::abs(work_.phi[i]) / (noise_[i] > 0 ? noise_[i] : 1));
   }
   std::array<double, kMostLanes> condition{};
-  for (std::int32_t b = 0; b < work_.program.blocks; ++b) {
+  for (std::int32_t b = 0; b < work_.group_class.blocks; ++b) {
     if (!regular && blocks_.is_large(b)) {
       condition.fill(kInfinity);
     } else {

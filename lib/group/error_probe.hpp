@@ -67,7 +67,7 @@ class ErrorProbe {
     double times;
   };
   [[nodiscard]] PackSystem system() const {
-    return {work_.program.pattern, work_.jacobian, work_.lanes, Transpose::no};
+    return {work_.group_class.pattern, work_.jacobian, work_.lanes, Transpose::no};
   }
   [[nodiscard]] Evaluator& evaluator() { return evaluator_ != nullptr ? *evaluator_ : *work_.evaluator; }
   [[nodiscard]] const double* solution(const Pack& pack, const double* state, int derivative);

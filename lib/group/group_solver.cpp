@@ -19,7 +19,7 @@ constexpr double kSameSolution = 1e-8;  // typical lengths are 1; solutions diff
 
 GroupSolver::GroupSolver(const System& system, const Structure& structure, std::int32_t group_class,
                          const Plan::Choice& choice, std::span<const Backend> table)
-    : work_(system, structure.classes[idx(group_class)], structure.pattern(group_class), choice.solver.lanes),
+    : work_(system, structure.classes[idx(group_class)], choice.solver.lanes),
       solver_(work_, choice, table),
       guard_(work_, solver_),
       step_(work_, solver_, guard_, choice.solver),
@@ -46,15 +46,15 @@ void GroupSolver::use(StepCode& code) {
 
 void GroupSolver::size(Pack& pack) const {
   const std::size_t w = idx(work_.lanes);
-  pack.coefficients.assign((idx(one_coefficient(work_.program)) + 1) * w, 0.0);
-  std::fill_n(pack.coefficients.data() + idx(one_coefficient(work_.program)) * w, w, 1.0);
-  pack.lipschitz.resize(idx(work_.program.n) * w);
-  pack.anchor.resize(guard_.blocks().reads_start(work_.program.blocks) * w);
-  pack.omega.assign(idx(work_.program.blocks) * w, 0.0);
-  pack.own_use.assign(idx(work_.program.blocks) * w, 0.0);
+  pack.coefficients.assign((idx(one_coefficient(work_.group_class)) + 1) * w, 0.0);
+  std::fill_n(pack.coefficients.data() + idx(one_coefficient(work_.group_class)) * w, w, 1.0);
+  pack.lipschitz.resize(idx(work_.group_class.n) * w);
+  pack.anchor.resize(guard_.blocks().reads_start(work_.group_class.blocks) * w);
+  pack.omega.assign(idx(work_.group_class.blocks) * w, 0.0);
+  pack.own_use.assign(idx(work_.group_class.blocks) * w, 0.0);
   pack.ball_used = pack.own_use;
   pack.anchor_rates.resize(pack.anchor.size());
-  pack.anchor_time.assign(idx(work_.program.blocks) * w, kNan);
+  pack.anchor_time.assign(idx(work_.group_class.blocks) * w, kNan);
   pack.kept = {0, 0, 0, pack.own_use, pack.anchor, pack.anchor_rates, pack.anchor_time, pack.omega};
 }
 
@@ -62,7 +62,7 @@ void GroupSolver::bind_lane(const System& system, const Group& group, Pack& pack
   std::vector<double> constants;
   constants.reserve(group.constants.size());
   for (const std::int32_t k : group.constants) constants.push_back(system.constants[idx(k)]);
-  bind_coefficients(work_.program, constants, pack.coefficients.data() + lane, idx(work_.lanes));
+  bind_coefficients(work_.group_class, constants, pack.coefficients.data() + lane, idx(work_.lanes));
   lipschitz(work_.group_class, constants, pack.lipschitz.data() + lane, idx(work_.lanes));
 }
 
@@ -196,8 +196,7 @@ void GroupSolver::find_code(Pack& pack, bool makes) {
   }
   pack.machine_code = {};
   if (elimination) {
-    pack.machine_code =
-        code_->of(work_.group_class, work_.program, *elimination, guard_.blocks().reads(0), work_.lanes, makes);
+    pack.machine_code = code_->of(work_.group_class, *elimination, guard_.blocks().reads(0), work_.lanes, makes);
   }
   pack.eliminates = std::move(elimination);
 }
@@ -210,7 +209,7 @@ void GroupSolver::count_small_step(const Pack& pack, const double* of_lanes, Cou
     most = std::max(most, of_lane);
   }
   counters.most_iterations = std::max(counters.most_iterations, most);
-  const std::int64_t n = work_.program.n, used = pack.used, derivatives = work_.group_class.derivatives;
+  const std::int64_t n = work_.group_class.n, used = pack.used, derivatives = work_.group_class.derivatives;
   const std::int64_t factorizations = iterations + (derivatives > 0 ? used : 0);
   counters.group_solutions += used;
   counters.newton_iterations += iterations;

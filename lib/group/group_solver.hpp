@@ -33,8 +33,6 @@ class GroupSolver {
 
   [[nodiscard]] int lanes() const { return work_.lanes; }
   [[nodiscard]] const GroupClass& group_class() const { return work_.group_class; }
-  [[nodiscard]] const Program& program() const { return work_.program; }
-  [[nodiscard]] bool quadratic() const { return work_.group_class.quadratic; }
   [[nodiscard]] const BlockConditions& blocks() const { return guard_.blocks(); }
 
   // Forgets earlier runs, so that runs repeat bit for bit; the packs must drop their own solvers. The next solve() of

@@ -25,7 +25,7 @@ JacobianSolver::JacobianSolver(const Workspace& work, const Plan::Choice& choice
 }
 
 void JacobianSolver::sort_by_rows() {
-  const Pattern& p = work_.program.pattern;
+  const Pattern& p = work_.group_class.pattern;
   row_start_.assign(idx(p.n) + 1, 0);
   for (const std::int32_t r : p.row) ++row_start_[idx(r) + 1];
   for (std::size_t r = 0; r < idx(p.n); ++r) row_start_[r + 1] += row_start_[r];
@@ -41,7 +41,7 @@ void JacobianSolver::sort_by_rows() {
 std::unique_ptr<LinearSolver> JacobianSolver::make() const {
   auto solver = make_solver(backend_, ThreadBudget{settings_.threads},
                             settings_.single ? Precision::binary32 : Precision::binary64, settings_.refine);
-  if (!solver->analyze(work_.program.pattern, work_.lanes).ok()) {
+  if (!solver->analyze(work_.group_class.pattern, work_.lanes).ok()) {
     throw Error(Error::Kind::environment, "backend " + settings_.backend + " cannot analyse the pattern of a group");
   }
   return solver;
@@ -78,7 +78,7 @@ Status JacobianSolver::factorize(Pack& pack, Factors from, Counters& counters) {
     lanes::count_factorizations(*solver_, -1);
   } else {
     counters.factorizations += pack.used;
-    counters.factorized_unknowns += std::int64_t{pack.used} * work_.program.n;
+    counters.factorized_unknowns += std::int64_t{pack.used} * work_.group_class.n;
   }
   const Status s = solver_->factorize(work_.jacobian);
   pack.factored = s.ok();
@@ -101,7 +101,7 @@ bool JacobianSolver::factorize(Pack& pack) {
   for (rounds = 0; left > goal.enough;) {
     if (++rounds > kMostRefinements) return {};
     if (const Status s = solver_->solve(residual_, 1); !s.ok()) return pack.failed(s);
-    counters.solved_unknowns += std::int64_t{pack.used} * work_.program.n;
+    counters.solved_unknowns += std::int64_t{pack.used} * work_.group_class.n;
     for (std::size_t i = 0; i < b.size(); ++i) x[i] += residual_[i];
     residual = residual_of(x, b);
     const double before = std::exchange(left, measured());
@@ -123,7 +123,7 @@ bool JacobianSolver::factorize(Pack& pack) {
 Status JacobianSolver::correction(Pack& pack, const LaneArray& b, double* x, bool checked, Counters& counters) {
   std::copy(b.begin(), b.end(), x);
   if (const Status s = solver_->solve({x, b.size()}, 1); !s.ok()) return pack.failed(s);
-  counters.solved_unknowns += std::int64_t{pack.used} * work_.program.n;
+  counters.solved_unknowns += std::int64_t{pack.used} * work_.group_class.n;
   if (!checked) return {};
   double residual = residual_of(x, b);
   return refine_grown(pack, b, x, counters, residual);
@@ -136,7 +136,7 @@ Status JacobianSolver::solve(Pack& pack, const LaneArray& b, double* x, int firs
   // Refinement with factors of another posture needs the whole solution.
   const int first = own_factors ? first_wanted : 0;
   if (const Status s = solver_->solve({x, b.size()}, 1, Transpose::no, first); !s.ok()) return pack.failed(s);
-  counters.solved_unknowns += std::int64_t{pack.used} * (work_.program.n - first);
+  counters.solved_unknowns += std::int64_t{pack.used} * (work_.group_class.n - first);
   if (first > 0) {  // the other unknowns are unspecified; set to zero
     std::fill_n(x, idx(first * work_.lanes), 0.0);
     return {};
@@ -162,7 +162,7 @@ Status JacobianSolver::solve(Pack& pack, const LaneArray& b, double* x, int firs
 // residual_ = b - J x; returns |residual| / (|J| |x| + |b|), maximum norms, of the worst lane.
 double JacobianSolver::residual_of(const double* x, const LaneArray& b) {
   const bool measure = !std::exchange(jacobian_measured_, true);
-  return work_.kernels.residual(row_start_.data(), row_entries_.data(), work_.program.n, work_.jacobian.data(), x,
+  return work_.kernels.residual(row_start_.data(), row_entries_.data(), work_.group_class.n, work_.jacobian.data(), x,
                                 b.data(), residual_.data(), jacobian_norm_.data(), measure);
 }
 
@@ -170,7 +170,7 @@ double JacobianSolver::residual_of(const double* x, const LaneArray& b) {
 // others in the maximum norms. residual_ must be that of x.
 double JacobianSolver::scaled_residual(const double* x, const LaneArray& b) {
   if (!std::exchange(scales_measured_, true)) {
-    equilibrate({work_.program.pattern, work_.jacobian, work_.lanes, Transpose::no}, row_scale_, column_size_);
+    equilibrate({work_.group_class.pattern, work_.jacobian, work_.lanes, Transpose::no}, row_scale_, column_size_);
     for (double& c : column_size_) c = 1 / c;
   }
   std::array<double, kMostLanes> left{}, right{}, size{};

@@ -17,7 +17,7 @@ NewtonStep::NewtonStep(Workspace& work, JacobianSolver& solver, BranchGuard& gua
 
 // Fills ratios_ for the equations in the workspace.
 void NewtonStep::measure() {
-  work_.kernels.largest_ratios(work_.phi.data(), inverse_scale_.data(), work_.program.n, ratios_.data());
+  work_.kernels.largest_ratios(work_.phi.data(), inverse_scale_.data(), work_.group_class.n, ratios_.data());
 }
 
 // Raises the scales of the equations of these lanes to their lower bounds at this posture.
@@ -59,7 +59,7 @@ double NewtonStep::residual_of(const Pack& pack, const double* state, const doub
     std::copy_n(weights, inverse_scale_.size(), inverse_scale_.begin());
   } else {
     work_.evaluator->scale(inverse_scale_.data());
-    work_.kernels.invert_scale(inverse_scale_.data(), work_.program.n);
+    work_.kernels.invert_scale(inverse_scale_.data(), work_.group_class.n);
   }
   std::fill(open_.begin(), open_.end(), std::uint8_t{1});
   raise(open_);
@@ -68,10 +68,10 @@ double NewtonStep::residual_of(const Pack& pack, const double* state, const doub
 
 Status NewtonStep::position(Pack& pack, double* x, const Attempt& attempt, std::span<const std::uint8_t> solved,
                             Counters& counters, StepErrors& errors) {
-  const std::int64_t evaluated = std::int64_t{pack.used} * work_.program.n;
+  const std::int64_t evaluated = std::int64_t{pack.used} * work_.group_class.n;
   work_.evaluate(x);
   work_.evaluator->scale(inverse_scale_.data());
-  work_.kernels.invert_scale(inverse_scale_.data(), work_.program.n);
+  work_.kernels.invert_scale(inverse_scale_.data(), work_.group_class.n);
   counters.evaluated_equations += evaluated;
   counters.group_solutions += pack.used;
   solver_.begin_step();
@@ -113,7 +113,7 @@ Status NewtonStep::position(Pack& pack, double* x, const Attempt& attempt, std::
       if (const Status s = solver_.factorize(pack, Factors::step, counters); !s.ok()) return s;
     }
     // In quadratic groups the second correction makes up for errors of the first one, which is not checked.
-    const bool checked = !stale && (iteration > 0 || !work_.group_class.quadratic);
+    const bool checked = !stale && (iteration > 0 || !work_.group_class.quadratic());
     if (const Status s = solver_.correction(pack, work_.phi, correction_.data(), checked, counters); !s.ok()) return s;
     counters.newton_iterations += pack.used;
     for (std::size_t i = 0; i < correction_.size(); ++i) {
@@ -124,12 +124,12 @@ Status NewtonStep::position(Pack& pack, double* x, const Attempt& attempt, std::
     if (attempt.branch == Attempt::Branch::pass && iteration == 0 && !(norm <= attempt.largest_correction)) {
       return pack.failed(Code::branch_unknown, norm, lane_that_moved_most(pack));
     }
-    if (attempt.branch == Attempt::Branch::inside && work_.group_class.quadratic && iteration == 0) {
+    if (attempt.branch == Attempt::Branch::inside && work_.group_class.quadratic() && iteration == 0) {
       if (const Status s = guard_.check_first_correction(pack); !s.ok()) return s;
     }
     // Where no ball guards the branch, each correction must be at most a tenth of the one before.
     const bool must_contract = attempt.branch == Attempt::Branch::pass ||
-                               (!work_.group_class.quadratic && attempt.branch != Attempt::Branch::anywhere);
+                               (!work_.group_class.quadratic() && attempt.branch != Attempt::Branch::anywhere);
     bool contracts = corrections_contract(iteration == 0);
     if (must_contract && attempt.iterations == 0 && !contracts) {
       // Corrections by rounding do not contract, and they look large if the terms of an equation vanish here.
@@ -180,7 +180,7 @@ bool NewtonStep::corrections_contract(bool is_first) {
 // x -= correction_; returns its largest element.
 double NewtonStep::correct(double* x) {
   double norm = 0;
-  for (std::int32_t b = 0; b < work_.program.blocks; ++b) {
+  for (std::int32_t b = 0; b < work_.group_class.blocks; ++b) {
     const auto unknowns = guard_.blocks().unknowns(b);
     const double largest = work_.kernels.correct(unknowns.data(), static_cast<std::int32_t>(unknowns.size()),
                                                  correction_.data(), x, work_.correction.data() + b * work_.lanes);

@@ -118,7 +118,7 @@ class SingularValues {
 double norm_of_gradient(Workspace& work, std::int32_t equation, std::span<const std::int32_t> reads, int lane,
                         DiagnosisMemory& memory) {
   const std::size_t w = idx(work.lanes), at = idx(equation) * w + idx(lane);
-  const Pattern& pattern = work.program.pattern;
+  const Pattern& pattern = work.group_class.pattern;
   double norm = 0;
   for (std::size_t k = 0; k < pattern.row.size(); ++k) {
     if (pattern.row[k] == equation) norm = std::hypot(norm, work.jacobian[k * w + idx(lane)]);
@@ -126,8 +126,8 @@ double norm_of_gradient(Workspace& work, std::int32_t equation, std::span<const 
   memory.rates.assign(work.input_rates.size(), 0.0);
   memory.rhs.assign(work.rhs.size(), 0.0);
   for (const std::int32_t read : reads) {
-    if (read < work.program.n) continue;
-    const auto input = memory.rates.begin() + static_cast<std::ptrdiff_t>(idx(read - work.program.n) * w);
+    if (read < work.group_class.n) continue;
+    const auto input = memory.rates.begin() + static_cast<std::ptrdiff_t>(idx(read - work.group_class.n) * w);
     std::fill_n(input, w, 1.0);
     work.evaluator->velocity_rhs(memory.rates.data(), memory.rhs.data());
     std::fill_n(input, w, 0.0);
@@ -139,7 +139,7 @@ double norm_of_gradient(Workspace& work, std::int32_t equation, std::span<const 
 }  // namespace
 
 void DiagnosisMemory::reserve(const Workspace& work, const BlockConditions& blocks) {
-  for (std::int32_t b = 0; b < work.program.blocks; ++b) {
+  for (std::int32_t b = 0; b < work.group_class.blocks; ++b) {
     const std::size_t n = blocks.size(b) > kLargestBlock ? 0 : idx(blocks.size(b));
     matrix.resize(std::max(matrix.size(), n * n));
     for (auto* v : {&diagonal, &beside, &right_side, &vector, &image, &spare}) v->resize(std::max(v->size(), n));
@@ -158,12 +158,12 @@ void nearest_singularity(Workspace& work, const BlockConditions& blocks, const P
   work.evaluator->velocity_rhs(work.input_rates.data(), work.rhs.data());
   // The right-hand side of each block, by the inputs and by the group's other blocks: rhs - J v over the unknowns of
   // other blocks.
-  const Pattern& pattern = work.program.pattern;
+  const Pattern& pattern = work.group_class.pattern;
   const double* rate = state[1] + pack.unknowns;
-  for (std::int32_t c = 0; c < work.program.n; ++c) {
+  for (std::int32_t c = 0; c < work.group_class.n; ++c) {
     for (std::int32_t k = pattern.column_start[idx(c)]; k < pattern.column_start[idx(c) + 1]; ++k) {
       const std::int32_t row = pattern.row[idx(k)];
-      if (work.program.equation_block[idx(row)] == work.program.unknown_block[idx(c)]) continue;
+      if (work.group_class.equation_block[idx(row)] == work.group_class.unknown_block[idx(c)]) continue;
       for (std::size_t l = 0; l < w; ++l)
         work.rhs[idx(row) * w + l] -= work.jacobian[idx(k) * w + l] * rate[idx(c) * w + l];
     }
@@ -180,7 +180,7 @@ void nearest_singularity(Workspace& work, const BlockConditions& blocks, const P
   into.smallest = 0;
   into.reads.clear();
   for (int lane = 0; lane < pack.used; ++lane) {
-    for (std::int32_t b = 0; b < work.program.blocks; ++b) {
+    for (std::int32_t b = 0; b < work.group_class.blocks; ++b) {
       const Eigen::Index n = blocks.size(b);
       if (n > kLargestBlock) continue;
       blocks.extract(work.jacobian.data(), b, lane, memory.matrix);
@@ -204,9 +204,9 @@ void nearest_singularity(Workspace& work, const BlockConditions& blocks, const P
   }
   if (into.block < 0) return;
   for (const std::int32_t c : blocks.reads(into.block)) {
-    const bool unknown = c < work.program.n;
-    if (unknown && work.program.unknown_block[idx(c)] == into.block) continue;
-    const std::size_t at = idx(unknown ? c : c - work.program.n) * w + idx(into.lane);
+    const bool unknown = c < work.group_class.n;
+    if (unknown && work.group_class.unknown_block[idx(c)] == into.block) continue;
+    const std::size_t at = idx(unknown ? c : c - work.group_class.n) * w + idx(into.lane);
     into.reads.push_back(unknown ? state[0][pack.unknowns + at] : work.inputs[at]);
   }
 }

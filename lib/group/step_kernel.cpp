@@ -122,34 +122,34 @@ class StepKernel final : public SmallStep {
 };
 
 template <int W, int N>
-SmallStep* of_size(const GroupClass& group_class, const Program& program, std::span<const std::int32_t> reads) {
+SmallStep* of_size(const GroupClass& group_class, std::span<const std::int32_t> reads) {
   const auto make = [&]<class E>(std::type_identity<E>, const auto&... arguments) -> SmallStep* {
     return new StepKernel<W, N, E>(reads, arguments...);
   };
-  return with_equations<Lanes<W>, N>(group_class, program, make);
+  return with_equations<Lanes<W>, N>(group_class, make);
 }
 
 template <int W>
-SmallStep* of_lanes(const GroupClass& group_class, const Program& program, std::span<const std::int32_t> reads) {
-  return program.n == 2 ? of_size<W, 2>(group_class, program, reads) : of_size<W, 3>(group_class, program, reads);
+SmallStep* of_lanes(const GroupClass& group_class, std::span<const std::int32_t> reads) {
+  return group_class.n == 2 ? of_size<W, 2>(group_class, reads) : of_size<W, 3>(group_class, reads);
 }
 
 #if (HWY_TARGET == HWY_SCALAR || HWY_TARGET == HWY_EMU128) && !defined(HWY_COMPILE_ONLY_SCALAR)
 // Without SIMD, these kernels would take half of the compile time of this file: see make_small_step().
-SmallStep* make(const GroupClass&, const Program&, std::span<const std::int32_t>, int) { return nullptr; }
+SmallStep* make(const GroupClass&, std::span<const std::int32_t>, int) { return nullptr; }
 #else
-SmallStep* make(const GroupClass& group_class, const Program& program, std::span<const std::int32_t> reads, int lanes) {
+SmallStep* make(const GroupClass& group_class, std::span<const std::int32_t> reads, int lanes) {
   switch (lanes) {
     case 1:
-      return of_lanes<1>(group_class, program, reads);
+      return of_lanes<1>(group_class, reads);
     case 2:
-      return of_lanes<2>(group_class, program, reads);
+      return of_lanes<2>(group_class, reads);
     case 4:
-      return of_lanes<4>(group_class, program, reads);
+      return of_lanes<4>(group_class, reads);
     case 8:
-      return of_lanes<8>(group_class, program, reads);
+      return of_lanes<8>(group_class, reads);
     default:
-      return of_lanes<16>(group_class, program, reads);
+      return of_lanes<16>(group_class, reads);
   }
 }
 #endif
@@ -165,8 +165,7 @@ HWY_EXPORT(make);
 
 std::unique_ptr<SmallStep> make_small_step(const Workspace& work, const BlockConditions& blocks) {
   if (!has_group_step(work.group_class)) return nullptr;
-  std::unique_ptr<SmallStep> kernel(
-      HWY_DYNAMIC_DISPATCH(make)(work.group_class, work.program, blocks.reads(0), work.lanes));
+  std::unique_ptr<SmallStep> kernel(HWY_DYNAMIC_DISPATCH(make)(work.group_class, blocks.reads(0), work.lanes));
   return kernel != nullptr ? std::move(kernel) : make_interpreted_step(work, blocks);
 }
 

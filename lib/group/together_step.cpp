@@ -52,7 +52,7 @@ template <class Group>
 class TogetherKernel final : public TogetherStep {
  public:
   TogetherKernel(const TogetherClass& of, const TogetherShape& shape, const Separable& separable)
-      : shape_(shape), group_(of.reads, of.slopes, of.group_class, of.program, separable) {}
+      : shape_(shape), group_(of.reads, of.slopes, of.group_class, separable) {}
 
   void run(TogetherPass pass, std::span<double* const> memory) override {
     for (std::size_t first = 0; first < idx(shape_.lanes_of(pass)); first += kTogetherLanes) {
@@ -74,8 +74,8 @@ TogetherStep* make(const TogetherClass& of, const TogetherShape& shape) {
   const auto make = [&]<class Group>(std::type_identity<Group>, const Separable& separable) -> TogetherStep* {
     return new TogetherKernel<Group>(of, shape, separable);
   };
-  return of.program.n == 2 ? with_together_group<L, 2>(of.group_class, of.program, make)
-                           : with_together_group<L, 3>(of.group_class, of.program, make);
+  return of.group_class.n == 2 ? with_together_group<L, 2>(of.group_class, make)
+                               : with_together_group<L, 3>(of.group_class, make);
 }
 #endif
 
@@ -114,8 +114,7 @@ std::unique_ptr<TogetherStep> make_coded_together_step(const TogetherClass& of, 
   std::array<std::shared_ptr<const Executor>, kTogetherPasses> passes;
   for (std::size_t k = 0; k < kTogetherPasses; ++k) {
     const auto pass = static_cast<TogetherPass>(k);
-    passes[k] =
-        code.of(together_program(pass, of.group_class, of.program, of.reads, of.slopes, shape), shape.lanes_of(pass));
+    passes[k] = code.of(together_program(pass, of.group_class, of.reads, of.slopes, shape), shape.lanes_of(pass));
     if (!passes[k]) return nullptr;
   }
   return std::make_unique<CodedTogetherStep>(std::move(passes));

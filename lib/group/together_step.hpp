@@ -17,7 +17,6 @@ namespace assur {
 // What the passes of a class need; all must outlive the step.
 struct TogetherClass {
   const GroupClass& group_class;
-  const Program& program;
   std::span<const std::int32_t> reads;  // coordinates of the branch test, as registers
   const Slopes& slopes;
 };

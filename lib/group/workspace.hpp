@@ -1,4 +1,4 @@
-// Data that the parts of a group's step share: the class, its equations, and the numbers of the current pack.
+// Data that the parts of a group's step share: the class, and the numbers of the current pack.
 #pragma once
 
 #include <cmath>
@@ -18,24 +18,23 @@ namespace assur {
 
 // One posture of one pack. A function that evaluates another posture overwrites it. All arrays are [row][lane].
 struct Workspace {
-  Workspace(const System& system, const GroupClass& its_class, const Pattern& pattern, int its_lanes)
+  Workspace(const System& system, const GroupClass& its_class, int its_lanes)
       : group_class(its_class),
-        program(compile(its_class, pattern)),
         lanes(its_lanes),
-        evaluator(make_evaluator(system, program, lanes)),
+        evaluator(make_evaluator(system, group_class, lanes)),
         kernels(pack_kernels(lanes)) {
     const std::size_t w = idx(lanes);
-    for (LaneArray* v : {&inputs, &input_rates, &input_accelerations}) v->resize(idx(program.inputs) * w);
-    for (LaneArray* v : {&phi, &scale, &rhs}) v->resize(idx(program.n) * w);
-    jacobian.resize(idx(program.pattern.nnz()) * w);
-    correction.resize(idx(program.blocks) * w);
+    for (LaneArray* v : {&inputs, &input_rates, &input_accelerations}) v->resize(idx(group_class.inputs) * w);
+    for (LaneArray* v : {&phi, &scale, &rhs}) v->resize(idx(group_class.n) * w);
+    jacobian.resize(idx(group_class.pattern.nnz()) * w);
+    correction.resize(idx(group_class.blocks) * w);
   }
   Workspace(const Workspace&) = delete;
   Workspace& operator=(const Workspace&) = delete;
 
   // Reads the inputs of a pack, one row for each, from a state array.
   void gather(const Pack& pack, const double* state, LaneArray& out) const {
-    kernels.gather(pack.input_rows.data(), pack.inputs.data(), program.inputs, state, out.data());
+    kernels.gather(pack.input_rows.data(), pack.inputs.data(), group_class.inputs, state, out.data());
   }
   void set_inputs(const Pack& pack, const double* state) {
     gather(pack, state, inputs);
@@ -64,7 +63,6 @@ struct Workspace {
   [[nodiscard]] std::size_t size() const { return phi.size(); }
 
   const GroupClass& group_class;
-  const Program program;
   const int lanes;  // W
   const std::unique_ptr<Evaluator> evaluator;
   const PackKernels& kernels;

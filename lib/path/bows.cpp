@@ -13,9 +13,9 @@ namespace {
 
 // omega E: see the header.
 constexpr double kMostBow = (1 - kBall) * (1 - kBall);
-// Steps that are this far from the limit, as a factor of the bows, need no new probes at every anchor: where omega grows
-// fourfold, the probes grow likewise.
-constexpr double kGrown = 4;         // growth of omega of a block for which the probes are measured again
+// Steps that are this far from the limit, as a factor of the bows, need no new probes at every anchor: where omega
+// grows fourfold, the probes grow likewise.
+constexpr double kGrown = 4;  // growth of omega of a block for which the probes are measured again
 constexpr double kFar = kGrown * kGrown;
 constexpr std::int64_t kRounds = 2;  // anchors of each block, on average, until they are measured again anyway
 // Where an unknown rests although its inputs move, as at a dead centre, it will not rest for long.
@@ -120,7 +120,7 @@ void Bows::finish(std::int64_t branch_checks) {
   for (std::size_t p = 0; p < layout_->packs.size(); ++p) {
     const Pack& pack = layout_->packs[p];
     const GroupSolver& solver = *layout_->solvers[idx(pack.group_class)];
-    const std::size_t w = idx(solver.lanes()), n = idx(solver.program().n);
+    const std::size_t w = idx(solver.lanes()), n = idx(solver.group_class().n);
     omega = std::copy(pack.omega.begin(), pack.omega.end(), omega);
     for (std::size_t l = 0; l < idx(pack.used); ++l) {
       const std::size_t m = mechanisms_ > 1 ? l : 0;
@@ -132,14 +132,14 @@ void Bows::finish(std::int64_t branch_checks) {
         double& size = sizes_[pack.unknowns + u * w + l];
         size = std::max(size, kLeastFollowed * of_inputs);
       }
-      for (std::int32_t b = 0; b < solver.program().blocks; ++b) {
+      for (std::int32_t b = 0; b < solver.group_class().blocks; ++b) {
         double moved = 0;
         for (const std::int32_t c : solver.blocks().reads(b)) {
           const std::size_t at = idx(c) < n ? pack.unknowns + idx(c) * w + l : idx(pack.inputs[(idx(c) - n) * w + l]);
           if (!(sizes_[at] <= moved)) moved = sizes_[at];
         }
         // Without a ball, of the typical length of the scene.
-        const double of_ball = solver.quadratic() ? pack.omega[idx(b) * w + l] : 1;
+        const double of_ball = solver.group_class().quadratic() ? pack.omega[idx(b) * w + l] : 1;
         const double part = regular_[p] != 0 ? of_ball * moved / kMostBow : kInfinity;
         if (moved != 0) measured_.part[m] = std::max(measured_.part[m], std::isnan(part) ? kInfinity : part);
       }

@@ -96,7 +96,7 @@ void Continuation::use(StepCode& code) {
   for (const auto& solver : layout_.solvers) by_work.emplace_back(0.0, solver.get());
   for (const Pack& pack : packs_) {
     auto& [work, solver] = by_work[idx(pack.group_class)];
-    work += pack.used * std::pow(solver->program().n, 2);
+    work += pack.used * std::pow(solver->group_class().n, 2);
   }
   std::stable_sort(by_work.begin(), by_work.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
   for (const auto& [work, solver] : by_work) solver->use(code);
@@ -245,7 +245,7 @@ void Continuation::repeat_in_idle_lanes() {
   for (const Pack& pack : packs_) {
     const int w = levels_.solver(pack).lanes();
     double* x = state_.at(0) + pack.unknowns;
-    for (std::int32_t i = 0; i < levels_.solver(pack).program().n; ++i) {
+    for (std::int32_t i = 0; i < levels_.solver(pack).group_class().n; ++i) {
       for (int lane = pack.used; lane < w; ++lane) x[i * w + lane] = x[i * w];
     }
   }
@@ -389,7 +389,7 @@ Status Continuation::solve_packs(double t, Attempt::Branch branch, double conver
       a.branch = Attempt::Branch::pass;
       a.converged = kConverged;
       const GroupSolver& s = levels_.solver(packs_[p]);
-      const std::size_t count = idx(s.program().n) * idx(s.lanes());
+      const std::size_t count = idx(s.group_class().n) * idx(s.lanes());
       a.largest_correction = largest_correction_ * state_.predicted_move(packs_[p].unknowns, count);
     }
     return a;

@@ -99,7 +99,7 @@ Layout lay_out(const Prepared& prepared) {
     const GroupSolver& solver = *out.solvers[idx(pack.group_class)];
     const std::size_t w = idx(solver.lanes());
     pack.unknowns = lane_place(out.size, w);
-    out.size = pack.unknowns + idx(solver.program().n) * w;
+    out.size = pack.unknowns + idx(solver.group_class().n) * w;
     for (std::size_t lane = 0; lane < pack.groups.size(); ++lane) {
       const Group& g = structure.groups[idx(pack.groups[lane])];
       for (std::size_t i = 0; i < g.unknowns.size(); ++i) {
@@ -109,7 +109,7 @@ Layout lay_out(const Prepared& prepared) {
   }
   for (Pack& pack : out.packs) {
     const GroupSolver& solver = *out.solvers[idx(pack.group_class)];
-    const std::size_t w = idx(solver.lanes()), count = idx(solver.program().inputs);
+    const std::size_t w = idx(solver.lanes()), count = idx(solver.group_class().inputs);
     pack.inputs.resize(count * w);
     for (std::size_t lane = 0; lane < w; ++lane) {
       const Group& g = structure.groups[idx(pack.groups[lane < pack.groups.size() ? lane : 0])];
@@ -151,7 +151,7 @@ Layout lay_out_side_by_side(const Prepared& prepared, int lanes) {
     for (std::size_t i = 0; i < group.unknowns.size(); ++i) {
       out.address[idx(group.unknowns[i])] = static_cast<std::int32_t>(out.size + i * w);
     }
-    out.size += idx(out.solvers[idx(group.group_class)]->program().n) * w;
+    out.size += idx(out.solvers[idx(group.group_class)]->group_class().n) * w;
     if (at_rest) out.first_unknown = out.size;  // solved at the start, and known from then on
   }
   for (std::size_t g = 0; g < out.packs.size(); ++g) {

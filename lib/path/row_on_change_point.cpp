@@ -28,7 +28,7 @@ constexpr double kExact = 1e-11;    // relative; smaller reaches are not tried i
 bool Continuation::arrive_on_change_point(double t, double smallest) {
   const std::size_t at_fault = failed_pack_;
   const Pack& pack = packs_[at_fault];
-  const std::size_t count = idx(levels_.solver(pack).program().n) * idx(levels_.solver(pack).lanes());
+  const std::size_t count = idx(levels_.solver(pack).group_class().n) * idx(levels_.solver(pack).lanes());
   double speed = 0, acceleration = 0;
   const auto raise = [](double& most, double by) { most = std::max(most, std::abs(by)); };
   for (std::size_t i = 0; i < count; ++i) raise(speed, state_.at(1)[pack.unknowns + i]);
@@ -112,7 +112,7 @@ bool Continuation::find_limit(double t, double reach, double smallest, std::vect
   for (std::size_t p = 0; p < packs_.size(); ++p) {
     if (cross[p] == 0) continue;
     const GroupSolver& solver = levels_.solver(packs_[p]);
-    const std::size_t size = idx(solver.program().n) * idx(solver.lanes());
+    const std::size_t size = idx(solver.group_class().n) * idx(solver.lanes());
     limits[p].values.resize(4 * size);
     std::array<double, 3> gap{};
     double move = 0;

@@ -74,7 +74,7 @@ void Together::make_classes() {
         if (source(c, place, i).of_class >= 0) computed[idx(i)] = 1;
       }
     }
-    c.slopes = slopes_of(c.solver->program(), *separate(c.solver->program(), of.input_moves), computed);
+    c.slopes = slopes_of(of, *separate(of), computed);
     c.unknowns = unknowns;
     c.loads = loads;
     unknowns += idx(of.n) * c.places;
@@ -193,7 +193,7 @@ void Together::divide() {
 }
 
 TogetherClass Together::outline(const Class& c) const {
-  return {c.solver->group_class(), c.solver->program(), c.solver->blocks().reads(0), c.slopes};
+  return {c.solver->group_class(), c.solver->blocks().reads(0), c.slopes};
 }
 
 void Together::fill(Class& c, Share& share) {
@@ -383,7 +383,7 @@ void Together::read(Class& c, const Share& share, double* const (&state)[3]) {
     kernels_.copy(share.known, state[1], c.inputs[1].data());
   }
   if (c.derivatives > 1) kernels_.copy(share.known, state[2], c.inputs[2].data());
-  const std::size_t n = idx(c.solver->program().n), end = std::min(share.first + share.lanes, c.groups.size());
+  const std::size_t n = idx(c.solver->group_class().n), end = std::min(share.first + share.lanes, c.groups.size());
   const double* const from = state[0] + pack(c, 0).unknowns;
   double* const to = unknowns_[0].data() + c.unknowns;
   kernels_.part(from + share.first * n, n, end - share.first, c.places, to + share.first);
@@ -410,7 +410,7 @@ bool Together::converge(double* const (&state)[3], const Attempt& attempt, int& 
     pass(
         [&](Class& c, Share& share) {
           complete(c, share, change_);
-          kernels_.add(change_.data() + c.unknowns + share.first, idx(c.solver->program().n), c.places, share.lanes,
+          kernels_.add(change_.data() + c.unknowns + share.first, idx(c.solver->group_class().n), c.places, share.lanes,
                        unknowns_[0].data() + c.unknowns + share.first);
         },
         [&](Class& c, Share& share) {
@@ -490,7 +490,7 @@ void Together::complete(const Class& c, const Share& share, LaneArray& to) {
   const std::size_t first = c.unknowns + share.first;
   const double* columns[kMostCoupledRows];
   for (std::size_t k = 0; k < kMostCoupledRows; ++k) columns[k] = columns_[k].data() + first;
-  kernels_.complete(own_.data() + first, columns, at(loads_, c.loads + share.first), idx(c.solver->program().n),
+  kernels_.complete(own_.data() + first, columns, at(loads_, c.loads + share.first), idx(c.solver->group_class().n),
                     idx(c.slopes.rows()), c.places, share.lanes, to.data() + first);
 }
 
@@ -522,7 +522,7 @@ double Together::largest(GroupFigure f) const {
 // Writes the solution to the state.
 void Together::write(double* const (&state)[3]) {
   pass([&](Class& c, Share& share) {
-    const std::size_t n = idx(c.solver->program().n), end = std::min(share.first + share.lanes, c.groups.size());
+    const std::size_t n = idx(c.solver->group_class().n), end = std::min(share.first + share.lanes, c.groups.size());
     const std::size_t to = pack(c, 0).unknowns + share.first * n;  // the groups of a class follow each other
     for (std::size_t d = 0; d <= idx(c.derivatives); ++d) {
       kernels_.join(unknowns_[d].data() + c.unknowns + share.first, n, end - share.first, c.places, state[d] + to);
@@ -585,7 +585,7 @@ void Together::undo(std::int64_t attempt) {
 void Together::count(int corrections, Counters& counters) const {
   for (const Class& c : classes_) {
     const auto groups = static_cast<std::int64_t>(c.groups.size());
-    const std::int64_t unknowns = groups * c.solver->program().n;
+    const std::int64_t unknowns = groups * c.solver->group_class().n;
     const std::int64_t right_sides = corrections + c.derivatives + (corrections + 1) * c.slopes.rows();
     counters.group_solutions += groups;
     counters.newton_iterations += groups * corrections;

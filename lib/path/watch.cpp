@@ -9,16 +9,16 @@
 namespace assur {
 
 Watch::Watch(const System& system, const Structure& structure, std::span<const std::int32_t> address)
-    : program_(compile(structure.watch_class, jacobian_pattern(structure.watch_class))),
-      evaluator_(make_evaluator(system, program_, 1)),
-      coefficients_(program_.coefficients.size()),
+    : class_(structure.watch_class),
+      evaluator_(make_evaluator(system, class_, 1)),
+      coefficients_(class_.coefficients.size()),
       inputs_(structure.watch.inputs.size()),
       phi_(structure.watch_class.equations.size()),
       scale_(phi_.size()) {
   std::vector<double> constants;
   for (const std::int32_t k : structure.watch.constants)
     constants.push_back(system.constants[static_cast<std::size_t>(k)]);
-  bind_coefficients(program_, constants, coefficients_.data(), 1);
+  bind_coefficients(class_, constants, coefficients_.data(), 1);
   for (const std::int32_t c : structure.watch.inputs) addresses_.push_back(address[static_cast<std::size_t>(c)]);
 }
 

@@ -27,7 +27,7 @@ class Watch {
  private:
   [[nodiscard]] double worst_ratio();
 
-  Program program_;
+  const GroupClass& class_;
   std::unique_ptr<Evaluator> evaluator_;
   std::vector<double> coefficients_;
   std::vector<std::int32_t> addresses_;  // inputs

@@ -19,7 +19,7 @@ std::unique_ptr<WholeStep> WholeStep::make(Layout& layout, DriveProgram* drivers
   for (const Pack& pack : out->packs_) {
     const GroupSolver& s = out->solver(pack);
     if (!s.has_small_step()) return nullptr;
-    outline.groups.push_back({s.lanes(), s.group_class(), s.program(), s.blocks().reads(0), pack.inputs,
+    outline.groups.push_back({s.lanes(), s.group_class(), s.blocks().reads(0), pack.inputs,
                               static_cast<std::uint32_t>(pack.unknowns - layout.first_unknown)});
   }
   MechanismStep step = mechanism_step(outline, kMostInstructions);
@@ -31,7 +31,7 @@ std::unique_ptr<WholeStep> WholeStep::make(Layout& layout, DriveProgram* drivers
     Anchors& anchors = out->anchors_.emplace_back();
     anchors.of = out.get();
     anchors.number = out->anchors_.size() - 1;
-    anchors.code = code.of(anchor_program(s.group_class(), s.program(), s.blocks().reads(0)), s.lanes());
+    anchors.code = code.of(anchor_program(s.group_class(), s.blocks().reads(0)), s.lanes());
     if (!anchors.code) return nullptr;
   }
   out->lanes_ = lanes;

@@ -230,30 +230,88 @@ class Check {
 
   // ---- structure
 
+  // The program of a class reads and writes nothing outside its lists.
   void equations(const GroupClass& c, Index unknowns) {
     require(unknowns >= 0 && c.inputs >= 0 && c.constants >= 0 && c.input_moves.size() == idx(c.inputs),
             "the number of inputs");
-    require(are_starts(c.form_start, c.terms.size()), "the starts of forms");
-    const std::size_t coordinates = idx(unknowns) + idx(c.inputs), forms = c.form_start.size() - 1;
-    const auto is_constant = [&](Index k) { return k == -1 || k == -2 || within(k, idx(c.constants)); };
-    for (const GroupClass::Term& t : c.terms) {
-      require((t.coordinate == -1 || within(t.coordinate, coordinates)) && is_constant(t.constant), "a term");
+    const std::size_t count = c.equations.size(), nonzeros = c.pattern.row.size();
+    require(c.pattern.n == unknowns && c.pattern.column_start.size() == idx(unknowns) + 1 &&
+                are_starts(c.pattern.column_start, nonzeros) && all_within(c.pattern.row, count) &&
+                c.entries.size() == nonzeros,
+            "the pattern");
+    for (const GroupClass::Coefficient& k : c.coefficients) {
+      require(std::all_of(std::begin(k.constant), std::end(k.constant),
+                          [&](Index i) { return i == -1 || within(i, idx(c.constants)); }),
+              "a coefficient");
     }
-    for (const GroupClass::Product& p : c.products) {
-      require(within(p.a, forms) && (p.b == -1 || within(p.b, forms)) && is_constant(p.constant), "a product");
+    const std::size_t registers = idx(c.registers());
+    const auto is_coefficient = [&](Index k) { return within(k, c.coefficients.size()); };
+    const auto are_operands = [&](const std::vector<GroupClass::Operand>& list) {
+      return std::all_of(list.begin(), list.end(), [&](const GroupClass::Operand& o) {
+        return is_coefficient(o.coefficient) && within(o.reg, registers);
+      });
+    };
+    const auto are_products = [&](const std::vector<GroupClass::Product>& list) {
+      return std::all_of(list.begin(), list.end(), [&](const GroupClass::Product& p) {
+        return is_coefficient(p.coefficient) && within(p.a, registers) && within(p.b, registers);
+      });
+    };
+    const auto is_range = [](const GroupClass::Range& r, std::size_t size) {
+      return 0 <= r.begin && r.begin <= r.end && idx(r.end) <= size;
+    };
+    for (std::size_t f = 0; f < c.forms.size(); ++f) {
+      const GroupClass::Form& form = c.forms[f];
+      require(idx(form.reg) == idx(c.one()) + 1 + f && is_range({form.begin, form.moving}, c.operands.size()) &&
+                  is_range({form.moving, form.unknowns}, c.operands.size()) &&
+                  is_range({form.unknowns, form.end}, c.operands.size()),
+              "a form");
+      require(std::all_of(c.operands.begin() + form.begin, c.operands.begin() + form.end,
+                          [&](const GroupClass::Operand& o) { return o.reg <= c.one(); }),
+              "a form");
     }
+    require(are_operands(c.operands) && are_operands(c.linear) && are_operands(c.input_linear) &&
+                are_operands(c.entry_operands),
+            "a sum");
+    require(are_products(c.products) && are_products(c.input_products) && are_products(c.curvature), "a product");
+    for (const GroupClass::Range& r : c.entries) require(is_range(r, c.entry_operands.size()), "an entry");
     for (const GroupClass::Equation& e : c.equations) {
-      require(0 <= e.products_begin && e.products_begin <= e.products_end && idx(e.products_end) <= c.products.size() &&
-                  (e.linear == -1 || within(e.linear, forms)) &&
-                  (e.callback == -1 || within(e.callback, system_.callbacks.size())),
+      require(is_range(e.linear, c.linear.size()) && is_range(e.products, c.products.size()) &&
+                  is_range(e.input_linear, c.input_linear.size()) &&
+                  is_range(e.input_products, c.input_products.size()) && is_range(e.curvature, c.curvature.size()) &&
+                  is_range({e.linear.begin, e.factors}, c.linear.size()) && e.factors <= e.linear.end &&
+                  (e.gear == -1 || within(e.gear, c.gears.size())),
               "an equation");
-      const bool is_gear = e.callback >= 0;  // its arguments are forms `a` without `b`
-      require(std::all_of(c.products.begin() + e.products_begin, c.products.begin() + e.products_end,
-                          [&](const GroupClass::Product& p) { return (p.b == -1) == is_gear; }),
-              "a product");
-      if (!is_gear) continue;
-      const std::size_t arguments = system_.callbacks[idx(e.callback)].coordinates.size();
-      require(idx(e.products_end - e.products_begin) == arguments && e.linear == -1, "a gear");
+    }
+    gears(c, registers);
+  }
+
+  void gears(const GroupClass& c, std::size_t registers) {
+    Index arguments = 0, angles = 0;
+    for (const GroupClass::Gear& gear : c.gears) {
+      require(gear.first == arguments && gear.first_angle == angles && gear.unit.size() == gear.arguments.size(),
+              "a gear");
+      std::size_t own = 0;
+      for (const GroupClass::Gear::Side& side : gear.sides) {
+        require(side.arguments == 1 || side.arguments == (system_.dimension == 2 ? 4 : 9), "a gear");
+        own += idx(side.arguments);
+        angles += side.arguments > 1 ? 1 : 0;
+      }
+      require(
+          own == gear.arguments.size() &&
+              std::all_of(gear.arguments.begin(), gear.arguments.end(),
+                          [&](Index a) { return a >= 0 ? within(a, registers) : within(~a, c.coefficients.size()); }),
+          "a gear");
+      arguments += static_cast<Index>(own);
+    }
+    require(arguments == c.gear_arguments && angles == c.gear_angles, "the number of arguments of gears");
+    require(std::is_sorted(c.gear_entries.begin(), c.gear_entries.end(),
+                           [](const auto& a, const auto& b) { return a.nonzero < b.nonzero; }),
+            "the entries of gears");
+    for (const GroupClass::GearEntry& e : c.gear_entries) {
+      require(within(e.nonzero, c.pattern.row.size()) && within(e.gear, c.gears.size()) &&
+                  within(e.argument, c.gears[idx(e.gear)].arguments.size()) &&
+                  within(e.coefficient, c.coefficients.size()),
+              "the entries of gears");
     }
   }
 

@@ -88,12 +88,10 @@ Shape shape_of(const Pattern& pattern, std::int32_t count) {
 }
 
 Shape shape_of(const GroupClass& group_class, std::int32_t groups) {
-  const Pattern pattern = jacobian_pattern(group_class);
-  Shape shape = shape_of(pattern, groups);
+  Shape shape = shape_of(group_class.pattern, groups);
   shape.rhs = 1 + group_class.derivatives;
-  const Program program = compile(group_class, pattern);
-  shape.terms = std::ssize(program.operands) + std::ssize(program.linear) + std::ssize(program.products) +
-                std::ssize(program.entry_operands);
+  shape.terms = std::ssize(group_class.operands) + std::ssize(group_class.linear) + std::ssize(group_class.products) +
+                std::ssize(group_class.entry_operands);
   return shape;
 }
 

@@ -86,26 +86,34 @@ inline void fields(auto& a, Either<SavedGear> auto& g) {
 
 // ---- structure
 
-inline void fields(auto& a, Either<GroupClass::Term> auto& t) { a(t.coordinate, t.constant); }
-inline void fields(auto& a, Either<GroupClass::Product> auto& p) { a(p.a, p.b, p.constant); }
-inline void fields(auto& a, Either<GroupClass::Equation> auto& e) {
-  a(e.products_begin, e.products_end, e.linear, e.callback);
+inline void fields(auto& a, Either<Pattern> auto& p) { a(p.n, p.column_start, p.row); }
+inline void fields(auto& a, Either<GroupClass::Coefficient> auto& k) {
+  a(k.literal, k.constant[0], k.constant[1], k.constant[2]);
 }
+inline void fields(auto& a, Either<GroupClass::Operand> auto& o) { a(o.coefficient, o.reg); }
+inline void fields(auto& a, Either<GroupClass::Product> auto& p) { a(p.coefficient, p.a, p.b); }
+inline void fields(auto& a, Either<GroupClass::Range> auto& r) { a(r.begin, r.end); }
+inline void fields(auto& a, Either<GroupClass::Form> auto& f) { a(f.reg, f.begin, f.moving, f.unknowns, f.end); }
+inline void fields(auto& a, Either<GroupClass::Equation> auto& e) {
+  a(e.linear, e.products, e.input_linear, e.input_products, e.curvature, e.factors, e.gear);
+}
+inline void fields(auto& a, Either<GroupClass::Gear::Side> auto& s) { a(s.factor, s.arguments); }
+inline void fields(auto& a, Either<GroupClass::Gear> auto& g) {
+  a(g.sides, g.is_periodic, g.unit, g.arguments, g.first, g.first_angle);
+}
+inline void fields(auto& a, Either<GroupClass::GearEntry> auto& e) { a(e.nonzero, e.gear, e.argument, e.coefficient); }
 inline void fields(auto& a, Either<GroupClass> auto& c) {
   a(c.n, c.inputs, c.constants, c.blocks, c.derivatives, c.first_wanted);
   a.label("input_moves", c.input_moves);
-  a.label("form_start", c.form_start);
-  a.label("terms", c.terms);
-  a.label("products", c.products);
-  a.label("equations", c.equations);
   a.label("blocks", c.unknown_block, c.equation_block);
-  if constexpr (std::remove_reference_t<decltype(a)>::kReads) {
-    c.quadratic = true;
-    for (GroupClass::Equation& e : c.equations) {
-      e.row = 0;  // a gear has one equation
-      c.quadratic = c.quadratic && e.callback < 0;
-    }
-  }
+  a.label("pattern", c.pattern);
+  a.label("coefficients", c.coefficients);
+  a.label("forms", c.forms, c.operands);
+  a.label("equations", c.equations);
+  a.label("sums", c.linear, c.input_linear);
+  a.label("products", c.products, c.input_products, c.curvature);
+  a.label("entries", c.entries, c.entry_operands);
+  a.label("gears", c.gear_arguments, c.gear_angles, c.gears, c.gear_entries);  // the only callbacks
 }
 inline void fields(auto& a, Either<Group> auto& g) {
   a(g.name, g.of, g.level, g.group_class, g.derivatives, g.wanted_derivatives);

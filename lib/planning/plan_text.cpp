@@ -10,7 +10,7 @@ namespace assur {
 namespace {
 
 constexpr std::string_view kMagic = "assur plan ";
-constexpr std::int64_t kVersion = 7;
+constexpr std::int64_t kVersion = 8;
 constexpr std::string_view kChecksum = "checksum ";
 constexpr std::size_t kChecksumDigits = 16;          // of the checksum
 constexpr std::size_t kPlanPiece = 1'000'000;        // bytes read at once

@@ -10,7 +10,6 @@
 #include "planning/check_plan.hpp"
 #include "planning/plan_fields.hpp"
 #include "scene/law_sum.hpp"
-#include "structure/class_gears.hpp"
 
 namespace assur {
 namespace {
@@ -179,7 +178,6 @@ Prepared load_plan(std::istream& in, const LoadOptions& options) {
   structure->system = std::shared_ptr<const System>(loaded, &loaded->system);
   prepared.structure = std::move(structure);
   check_plan(prepared);
-  for (GroupClass& c : own.classes) find_gears(loaded->system, c);
   check_backends(prepared.plan, options.table);
   fit_threads(prepared.plan, options.budget);
   prepared.table = options.table;

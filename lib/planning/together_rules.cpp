@@ -17,7 +17,7 @@ std::string why_not(const Structure& s, std::int32_t group_class) {
   if (c.n < 2 || c.n > 3) return "has " + std::to_string(c.n) + (c.n == 1 ? " unknown" : " unknowns");
   if (c.blocks != 1) return "can be divided further";
   if (c.first_wanted != 0) return "has unknowns whose highest derivative is not needed";
-  if (!separate(compile(c, s.pattern(group_class)), c.input_moves)) return "has products of different unknowns";
+  if (!separate(c)) return "has products of different unknowns";
   return "";
 }
 

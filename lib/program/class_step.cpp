@@ -37,9 +37,8 @@ class Writer {
   }
 
  public:
-  Writer(const GroupClass& group_class, const Program& equations, const lanes::Elimination& elimination,
-         std::span<const std::int32_t> reads)
-      : class_(group_class), p_(equations), reads_(reads), n_(idx(equations.n)), linear_(p_.pattern, elimination) {}
+  Writer(const GroupClass& group_class, const lanes::Elimination& elimination, std::span<const std::int32_t> reads)
+      : class_(group_class), reads_(reads), n_(idx(group_class.n)), linear_(class_.pattern, elimination) {}
 
   // As many steps take one correction as two, so the end is a phase of its own.
   [[nodiscard]] StepProgram step() {
@@ -55,7 +54,7 @@ class Writer {
   }
 
   [[nodiscard]] StepProgram factors() {
-    Equations equations(p_);
+    Equations equations(class_);
     Values phi, jacobian;
     evaluate(equations, predicted(equations), phi, jacobian);
     GroupSlots to = slots();
@@ -66,7 +65,7 @@ class Writer {
   }
 
   [[nodiscard]] StepProgram changes() {
-    Equations equations(p_);
+    Equations equations(class_);
     Values phi, jacobian, rhs(n_);
     evaluate(equations, predicted(equations), phi, jacobian);
     GroupSlots io = slots();
@@ -82,7 +81,7 @@ class Writer {
   }
 
   [[nodiscard]] StepProgram anchor() {
-    Equations equations(p_);
+    Equations equations(class_);
     Values phi, jacobian, scale(n_), of_lipschitz(n_), of_scale(n_);
     evaluate(equations, predicted(equations), phi, jacobian);
     equations.scale(coefficients(), into(scale));
@@ -112,7 +111,7 @@ class Writer {
     Value last;                                  // largest entry of the last correction
   };
 
-  [[nodiscard]] GroupSlots slots() { return {graph_, p_, std::uint16_t{0}}; }
+  [[nodiscard]] GroupSlots slots() { return {graph_, class_, std::uint16_t{0}}; }
   [[nodiscard]] static Slot slot(Memory memory, std::size_t i) { return {memory, static_cast<std::uint32_t>(i)}; }
   [[nodiscard]] Slot work(Number n) const { return slot(Memory::work, 2 * n_ + n); }
   [[nodiscard]] Value setting(GroupSetting s) { return slots().setting(s); }
@@ -121,7 +120,7 @@ class Writer {
   void evaluate(Equations& equations, const Values& x, Values& phi, Values& jacobian) {
     for (std::size_t j = 0; j < n_; ++j) equations.values().set(j, x[j]);
     phi.resize(n_);
-    jacobian.resize(idx(p_.pattern.nnz()));
+    jacobian.resize(idx(class_.pattern.nnz()));
     equations.evaluate(coefficients(), into(phi));
     equations.differentiate(coefficients(), into(jacobian));
   }
@@ -136,12 +135,12 @@ class Writer {
   void correct(Equations& equations, State& s, Values& phi, Values& jacobian, bool is_first) {
     s.failed = s.failed + linear_.factorize(jacobian);
     const Values by = linear_.solve(phi);
-    if (!is_first || !class_.quadratic)
+    if (!is_first || !class_.quadratic())
       s.failed = s.failed + exceeds(linear_.residual(jacobian, by, phi), Value::set(kPivotsGrew));
     const Value size = largest_of(by), largest = if_at_most(s.active, kNone, kNone, size);
     s.failed = s.failed + (largest - largest);
     if (is_first) graph_.store(work(kFirst), largest);
-    if (!is_first && !class_.quadratic) {
+    if (!is_first && !class_.quadratic()) {
       const Value diverges = exceeds(largest, Value::set(kContraction) * s.last);
       s.failed = s.failed + s.active * diverges * exceeds(s.relative, Value::set(kRoundingLevel));
     }
@@ -169,7 +168,7 @@ class Writer {
   }
 
   void begin() {
-    Equations equations(p_);
+    Equations equations(class_);
     State s{predicted(equations), Values(n_), {}, {}, kNone, kNone, {}};
     Values phi, jacobian;
     evaluate(equations, s.x, phi, jacobian);
@@ -185,7 +184,7 @@ class Writer {
   }
 
   void iterate() {
-    Equations equations(p_);
+    Equations equations(class_);
     equations.set_inputs(coefficients(), inputs(0));
     State s = recall();
     Values phi, jacobian;
@@ -208,7 +207,7 @@ class Writer {
 
   // Velocity and acceleration with the Jacobian of the solved posture, and the branch test.
   void finish() {
-    Equations equations(p_);
+    Equations equations(class_);
     equations.set_inputs(coefficients(), inputs(0));
     const State s = recall();
     Values phi, jacobian;
@@ -238,7 +237,7 @@ class Writer {
     }
     const GroupSlots in = slots();
     Value used = kNone, needs_anchor = kNone;
-    if (class_.quadratic) {
+    if (class_.quadratic()) {
       used = Tests::ball_use(in, reads_.size(), [&](std::size_t k) {
         return idx(reads_[k]) < n_ ? s.x[idx(reads_[k])] : equations.value(reads_[k]);
       });
@@ -260,7 +259,7 @@ class Writer {
     graph_.store(work(kActive), s.active);
     graph_.store(work(kFailed), s.failed);
     graph_.store(work(kRelative), s.relative);
-    if (!class_.quadratic) graph_.store(work(kLast), s.last);
+    if (!class_.quadratic()) graph_.store(work(kLast), s.last);
     graph_.store(slot_of(GroupFigure::iterations), s.iterations);
   }
   [[nodiscard]] State recall() {
@@ -270,7 +269,7 @@ class Writer {
             graph_.load(work(kActive)),
             graph_.load(work(kFailed)),
             graph_.load(slot_of(GroupFigure::iterations)),
-            class_.quadratic ? kNone : graph_.load(work(kLast))};
+            class_.quadratic() ? kNone : graph_.load(work(kLast))};
     for (std::size_t j = 0; j < n_; ++j) {
       s.weight[j] = graph_.load(slot(Memory::work, j));
       s.x[j] = graph_.load(slot(Memory::work, n_ + j));
@@ -279,7 +278,6 @@ class Writer {
   }
 
   const GroupClass& class_;
-  const Program& p_;
   std::span<const std::int32_t> reads_;
   std::size_t n_;
   LinearSteps linear_;
@@ -293,9 +291,8 @@ bool has_class_step(const GroupClass& c) {
          !has_group_step(c);
 }
 
-StepProgram class_anchor(const GroupClass& group_class, const Program& equations,
-                         const lanes::Elimination& elimination) {
-  return Writer(group_class, equations, elimination, {}).anchor();
+StepProgram class_anchor(const GroupClass& group_class, const lanes::Elimination& elimination) {
+  return Writer(group_class, elimination, {}).anchor();
 }
 
 // The step factorises three times; a product is two numbers.
@@ -303,23 +300,21 @@ bool is_short(const lanes::Elimination& elimination, std::size_t most) {
   return 3 * elimination.factor.size() / 2 <= most;
 }
 
-StepProgram class_step(const GroupClass& group_class, const Program& equations, const lanes::Elimination& elimination,
+StepProgram class_step(const GroupClass& group_class, const lanes::Elimination& elimination,
                        std::span<const std::int32_t> reads) {
-  return Writer(group_class, equations, elimination, reads).step();
+  return Writer(group_class, elimination, reads).step();
 }
 
-StepProgram class_factors(const GroupClass& group_class, const Program& equations,
-                          const lanes::Elimination& elimination) {
-  return Writer(group_class, equations, elimination, {}).factors();
+StepProgram class_factors(const GroupClass& group_class, const lanes::Elimination& elimination) {
+  return Writer(group_class, elimination, {}).factors();
 }
 
-StepProgram class_changes(const GroupClass& group_class, const Program& equations,
-                          const lanes::Elimination& elimination) {
-  return Writer(group_class, equations, elimination, {}).changes();
+StepProgram class_changes(const GroupClass& group_class, const lanes::Elimination& elimination) {
+  return Writer(group_class, elimination, {}).changes();
 }
 
-std::size_t work_of_changes(const Program& equations) {
-  return idx(equations.pattern.nnz()) + idx(equations.n) * idx(equations.n);
+std::size_t work_of_changes(const GroupClass& group_class) {
+  return idx(group_class.pattern.nnz()) + idx(group_class.n) * idx(group_class.n);
 }
 
 }  // namespace assur

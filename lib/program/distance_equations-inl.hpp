@@ -33,11 +33,13 @@ class DistanceEquations {
   using Array = typename L::Array;
   static constexpr bool kDistances = true;
 
-  DistanceEquations(const GroupClass& group_class, const Program& program, const Separable& separable)
-      : inputs_(program.inputs),
-        sign_(separable.squares[0].a == Separable::kNone ? 1
-                                                         : program.coefficients[idx(separable.squares[0].a)].literal),
-        numbers_{Array(idx(program.inputs) + 1), Array(idx(program.inputs) + 1), Array(idx(program.inputs) + 1)} {
+  DistanceEquations(const GroupClass& group_class, const Separable& separable)
+      : inputs_(group_class.inputs),
+        sign_(separable.squares[0].a == Separable::kNone
+                  ? 1
+                  : group_class.coefficients[idx(separable.squares[0].a)].literal),
+        numbers_{Array(idx(group_class.inputs) + 1), Array(idx(group_class.inputs) + 1),
+                 Array(idx(group_class.inputs) + 1)} {
     const auto moves = [&](std::int32_t input) { return group_class.input_moves[idx(input)] != 0; };
     for (std::int32_t i = 0; i < inputs_; ++i) {
       if (moves(i)) moving_.push_back(i);
@@ -48,18 +50,18 @@ class DistanceEquations {
       const std::int32_t reg = separable.squares[idx(ij)].b;
       sum.begin = sum.moving = static_cast<std::int32_t>(addends_.size());
       const auto add = [&](std::int32_t coefficient, std::int32_t of) { addends_.push_back({coefficient, of - N}); };
-      if (reg > program.one()) {
-        const Program::Form& f = program.forms[idx(reg - program.one() - 1)];
+      if (reg > group_class.one()) {
+        const GroupClass::Form& f = group_class.forms[idx(reg - group_class.one() - 1)];
         for (std::int32_t o = f.begin; o < f.unknowns; ++o) {
-          add(program.operands[idx(o)].coefficient, program.operands[idx(o)].reg);
+          add(group_class.operands[idx(o)].coefficient, group_class.operands[idx(o)].reg);
         }
         sum.moving += f.moving - f.begin;
       } else if (reg != Separable::kNone) {
-        add(one_coefficient(program), reg);
-        sum.moving += reg < program.one() && moves(reg - N) ? 0 : 1;
+        add(one_coefficient(group_class), reg);
+        sum.moving += reg < group_class.one() && moves(reg - N) ? 0 : 1;
       }
       sum.end = static_cast<std::int32_t>(addends_.size());
-      const Addend none{zero_coefficient(program), inputs_};
+      const Addend none{zero_coefficient(group_class), inputs_};
       first_[ij] = sum.end > sum.begin ? addends_[idx(sum.begin)] : none;
       first_moving_[ij] = sum.end > sum.moving ? addends_[idx(sum.moving)] : none;
     }

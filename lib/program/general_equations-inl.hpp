@@ -1,4 +1,4 @@
-// Quadratic equations of a small group, as their Program lists them. Included once for each target, inside its
+// Quadratic equations of a small group, as their class lists them. Included once for each target, inside its
 // HWY_NAMESPACE (see Highway, "foreach_target.h").
 #if defined(ASSUR_GENERAL_EQUATIONS_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef ASSUR_GENERAL_EQUATIONS_INL
@@ -29,14 +29,13 @@ class GeneralEquations {
   using Matrix = L[N][N];
   struct Values {};  // registers hold them
 
-  GeneralEquations(const GroupClass& group_class, const Program& program)
-      : class_(group_class), p_(program), equations_(program) {
-    for (const Program::Equation& e : p_.equations) {
+  explicit GeneralEquations(const GroupClass& group_class) : class_(group_class), equations_(group_class) {
+    for (const GroupClass::Equation& e : class_.equations) {
       for (std::int32_t o = e.linear.begin; o < e.linear.end; ++o) {
-        may_vanish_ = may_vanish_ || p_.linear[idx(o)].reg != p_.one();
+        may_vanish_ = may_vanish_ || class_.linear[idx(o)].reg != class_.one();
       }
     }
-    for (const Program::Gear& gear : p_.gears) may_vanish_ = may_vanish_ || !gear.numbers.is_periodic;
+    for (const GroupClass::Gear& gear : class_.gears) may_vanish_ = may_vanish_ || !gear.is_periodic;
   }
 
   template <class Source>
@@ -48,7 +47,7 @@ class GeneralEquations {
   HWY_INLINE void set_rates(const Source&) {}
   template <class Source>
   HWY_INLINE void set_accelerations(const Source&) {}
-  [[nodiscard]] HWY_INLINE bool has_gears() const { return !p_.gears.empty(); }
+  [[nodiscard]] HWY_INLINE bool has_gears() const { return !class_.gears.empty(); }
   // True if all terms of an equation may vanish: unless each is a sum of squares and a constant, or an angle.
   [[nodiscard]] bool may_vanish() const { return may_vanish_; }
 
@@ -64,8 +63,8 @@ class GeneralEquations {
     }
     std::int32_t column = 0;
     equations_.differentiate(coefficients(in), [&](std::size_t k, const L& entry) HWY_ATTR {
-      while (static_cast<std::int32_t>(k) >= p_.pattern.column_start[idx(column) + 1]) ++column;
-      jacobian[p_.pattern.row[k]][column] = entry;
+      while (static_cast<std::int32_t>(k) >= class_.pattern.column_start[idx(column) + 1]) ++column;
+      jacobian[class_.pattern.row[k]][column] = entry;
     });
   }
   template <class Source>
@@ -102,7 +101,6 @@ class GeneralEquations {
   }
 
   const GroupClass& class_;
-  const Program& p_;
   bool may_vanish_ = false;
   QuadraticEquations<L> equations_;
 };

@@ -16,11 +16,11 @@ namespace assur {
 class GroupSlots {
  public:
   // Of a pack: rows of its lanes.
-  GroupSlots(Graph& graph, const Program& program, std::uint16_t group)
-      : graph_(graph), program_(program), group_(group) {}
+  GroupSlots(Graph& graph, const GroupClass& group_class, std::uint16_t group)
+      : graph_(graph), class_(group_class), group_(group) {}
   // Of a class: number k of the group in lane l at [k stride + l].
-  GroupSlots(Graph& graph, const Program& program, std::size_t stride, Reach reach)
-      : graph_(graph), program_(program), stride_(stride), reach_(reach) {}
+  GroupSlots(Graph& graph, const GroupClass& group_class, std::size_t stride, Reach reach)
+      : graph_(graph), class_(group_class), stride_(stride), reach_(reach) {}
 
   [[nodiscard]] Slot slot(Memory memory, std::size_t index) const {
     return {memory, static_cast<std::uint32_t>(index * stride_), reach_, group_};
@@ -29,10 +29,10 @@ class GroupSlots {
   void store(Memory memory, std::size_t index, const Value& value) { graph_.store(slot(memory, index), value); }
 
   [[nodiscard]] Value coefficient(std::int32_t k) const {
-    if (k == zero_coefficient(program_)) return Value::set(0);
-    if (k == one_coefficient(program_)) return Value::set(1);
-    const Coefficient& c = program_.coefficients[idx(k)];
-    return c == Coefficient{c.literal} ? Value::set(c.literal) : load(Memory::coefficients, idx(k));
+    if (k == zero_coefficient(class_)) return Value::set(0);
+    if (k == one_coefficient(class_)) return Value::set(1);
+    const GroupClass::Coefficient& c = class_.coefficients[idx(k)];
+    return c == GroupClass::Coefficient{c.literal} ? Value::set(c.literal) : load(Memory::coefficients, idx(k));
   }
   [[nodiscard]] Value input(int derivative, std::int32_t i) const {
     constexpr Memory kOf[] = {Memory::inputs, Memory::input_rates, Memory::input_accelerations};
@@ -50,7 +50,7 @@ class GroupSlots {
 
  private:
   Graph& graph_;
-  const Program& program_;
+  const GroupClass& class_;
   std::size_t stride_ = 1;
   Reach reach_ = Reach::row;
   std::uint16_t group_ = 0;

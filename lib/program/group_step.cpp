@@ -51,12 +51,8 @@ class Writer {
  public:
   template <class... Arguments>
   Writer(std::uint16_t number, std::span<const std::int32_t> reads, const GroupClass& group_class,
-         const Program& program, const Arguments&... arguments)
-      : number_(number),
-        reads_(reads),
-        group_class_(group_class),
-        program_(program),
-        group_(group_class, program, arguments...) {}
+         const Arguments&... arguments)
+      : number_(number), reads_(reads), group_class_(group_class), group_(group_class, arguments...) {}
 
   [[nodiscard]] StepProgram write(const GroupBegin* begin) {
     StepProgram out;
@@ -123,7 +119,7 @@ class Writer {
     return of;
   }
   [[nodiscard]] Slot work(std::uint32_t index) const { return slot({Memory::work, index}); }
-  [[nodiscard]] GroupSlots slots(Graph& graph) const { return {graph, program_, number_}; }
+  [[nodiscard]] GroupSlots slots(Graph& graph) const { return {graph, group_class_, number_}; }
   void keep(Graph& graph, const State& s) const {
     for (std::uint32_t i = 0; i < kAt.n; ++i) {
       graph.store(work(kAt.unknown(i)), s.x[i]);
@@ -133,7 +129,7 @@ class Writer {
     graph.store(work(kAt.active()), s.active);
     graph.store(work(kAt.failed()), s.failed);
     graph.store(slot(slot_of(GroupFigure::iterations)), s.iterations);
-    if (!program_.gears.empty()) graph.store(work(kAt.last()), s.last);
+    if (!group_class_.gears.empty()) graph.store(work(kAt.last()), s.last);
   }
   // What earlier phases kept. Equations read their inputs again: unused results are not written, and even sums of four
   // inputs, as for the handle ends of a hexapod, are a tenth of the operations.
@@ -150,7 +146,7 @@ class Writer {
     s.active = of.load(Memory::work, kAt.active());
     s.failed = of.load(Memory::work, kAt.failed());
     s.iterations = graph.load(slot(slot_of(GroupFigure::iterations)));
-    s.last = program_.gears.empty() ? Value::set(0) : of.load(Memory::work, kAt.last());
+    s.last = group_class_.gears.empty() ? Value::set(0) : of.load(Memory::work, kAt.last());
     return s;
   }
 
@@ -158,29 +154,27 @@ class Writer {
   std::uint16_t number_;
   std::span<const std::int32_t> reads_;
   const GroupClass& group_class_;
-  const Program& program_;
   Group group_;
 };
 
 template <int N>
-GroupProgram write(const GroupClass& group_class, const Program& equations, std::span<const std::int32_t> reads,
-                   const GroupBegin* begin) {
+GroupProgram write(const GroupClass& group_class, std::span<const std::int32_t> reads, const GroupBegin* begin) {
   const auto make = [&]<class E>(std::type_identity<E>, const auto&... arguments) {
     const std::uint16_t number = begin != nullptr ? begin->group : std::uint16_t{0};
     return GroupProgram{Writer<N, E>(number, reads, arguments...).write(begin), Layout{N}.size()};
   };
-  return HWY_NAMESPACE::with_equations<Value, N>(group_class, equations, make);
+  return HWY_NAMESPACE::with_equations<Value, N>(group_class, make);
 }
 
 template <int N>
-StepProgram write_anchor(const GroupClass& group_class, const Program& equations, std::span<const std::int32_t> reads) {
+StepProgram write_anchor(const GroupClass& group_class, std::span<const std::int32_t> reads) {
   const auto make = [&]<class E>(std::type_identity<E>, const auto&... arguments) {
     Graph graph;
-    GroupSlots io(graph, equations, std::uint16_t{0});
+    GroupSlots io(graph, group_class, std::uint16_t{0});
     HWY_NAMESPACE::SmallGroup<Value, N, E>(arguments...).renew_anchors(group_class.derivatives, reads, io);
     return StepProgram{{graph.phase()}, {}};
   };
-  return HWY_NAMESPACE::with_equations<Value, N>(group_class, equations, make);
+  return HWY_NAMESPACE::with_equations<Value, N>(group_class, make);
 }
 
 }  // namespace
@@ -189,16 +183,12 @@ bool has_group_step(const GroupClass& c) {
   return (c.n == 2 || c.n == 3) && can_take(Path::step_program, needs_of(c)) && c.blocks == 1 && c.first_wanted == 0;
 }
 
-GroupProgram group_step(const GroupClass& group_class, const Program& equations, std::span<const std::int32_t> reads,
-                        const GroupBegin* begin) {
-  return equations.n == 2 ? write<2>(group_class, equations, reads, begin)
-                          : write<3>(group_class, equations, reads, begin);
+GroupProgram group_step(const GroupClass& group_class, std::span<const std::int32_t> reads, const GroupBegin* begin) {
+  return group_class.n == 2 ? write<2>(group_class, reads, begin) : write<3>(group_class, reads, begin);
 }
 
-StepProgram anchor_program(const GroupClass& group_class, const Program& equations,
-                           std::span<const std::int32_t> reads) {
-  return equations.n == 2 ? write_anchor<2>(group_class, equations, reads)
-                          : write_anchor<3>(group_class, equations, reads);
+StepProgram anchor_program(const GroupClass& group_class, std::span<const std::int32_t> reads) {
+  return group_class.n == 2 ? write_anchor<2>(group_class, reads) : write_anchor<3>(group_class, reads);
 }
 
 }  // namespace assur

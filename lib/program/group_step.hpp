@@ -61,12 +61,11 @@ struct GroupBegin {
 // For a class that has_group_step(). reads: coordinates of the branch test, as registers of `equations`.
 // Memory::unknowns holds the prediction, and the solution where the step does not fail. begin: null for a step by
 // itself
-[[nodiscard]] GroupProgram group_step(const GroupClass& group_class, const Program& equations,
-                                      std::span<const std::int32_t> reads, const GroupBegin* begin = nullptr);
+[[nodiscard]] GroupProgram group_step(const GroupClass& group_class, std::span<const std::int32_t> reads,
+                                      const GroupBegin* begin = nullptr);
 
 // What follows a step after which a lane needs an anchor, see renew_anchors() (program/anchor-inl.hpp). Inputs and
 // figures are those of the step.
-[[nodiscard]] StepProgram anchor_program(const GroupClass& group_class, const Program& equations,
-                                         std::span<const std::int32_t> reads);
+[[nodiscard]] StepProgram anchor_program(const GroupClass& group_class, std::span<const std::int32_t> reads);
 
 }  // namespace assur

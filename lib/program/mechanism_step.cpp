@@ -36,7 +36,7 @@ class Writer {
       }
       const MechanismOutline::Groups& groups = of_.groups[g];
       const GroupBegin begin{graph, static_cast<std::uint16_t>(g), find_inputs(graph, g), predict(graph, g)};
-      GroupProgram step = group_step(groups.group_class, groups.equations, groups.reads, &begin);
+      GroupProgram step = group_step(groups.group_class, groups.reads, &begin);
       out_.work = std::max(out_.work, step.work);
       for (Phase& phase : step.program.phases) {
         instructions += phase.code.size();

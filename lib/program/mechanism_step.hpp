@@ -45,7 +45,6 @@ struct MechanismOutline {
   struct Groups {
     int lanes;  // W
     const GroupClass& group_class;
-    const Program& equations;
     std::span<const std::int32_t> reads;   // see group_step()
     std::span<const std::int32_t> inputs;  // inputs x W addresses
     std::uint32_t unknowns;                // address of the first, relative to the first of the mechanism

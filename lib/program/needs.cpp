@@ -67,10 +67,8 @@ bool has_choices(const Structure& s) {
 
 Needs needs_of(const GroupClass& c) {
   Needs needs;
-  needs.add(Need::proofs, !c.quadratic);
-  for (const GroupClass::Equation& e : c.equations) {
-    needs.add(Need::functions_in_equations, e.callback >= 0 && e.gear < 0);
-  }
+  needs.add(Need::proofs, !c.quadratic());
+  needs.add(Need::functions_in_equations, !c.callbacks.empty());
   return needs;
 }
 

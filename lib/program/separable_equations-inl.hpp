@@ -34,34 +34,34 @@ class SeparableEquations {
   using Array = typename L::Array;
   static constexpr bool kDistances = false;
 
-  SeparableEquations(const GroupClass& group_class, const Program& program, const Separable& separable)
-      : p_(program), e_(separable), registers_(idx((program.registers + 1) * kParts)) {
-    for (std::int32_t i = 0; i < p_.inputs; ++i) {
+  SeparableEquations(const GroupClass& group_class, const Separable& separable)
+      : class_(group_class), e_(separable), registers_(idx((group_class.registers() + 1) * kParts)) {
+    for (std::int32_t i = 0; i < class_.inputs; ++i) {
       if (group_class.input_moves[idx(i)] != 0) moving_.push_back(i);
     }
-    set(kValue, p_.one(), L::set(1));
+    set(kValue, class_.one(), L::set(1));
     // Missing numbers have a slot, too, so that their uses need no test. The last register is 0.
     const auto or_else = [](std::int32_t& slot, std::int32_t other) {
       if (slot == Separable::kNone) slot = other;
     };
     for (Separable::Square& q : e_.squares) {
-      or_else(q.s, zero_coefficient(p_));
-      or_else(q.a, one_coefficient(p_));
-      or_else(q.b, p_.registers);
+      or_else(q.s, zero_coefficient(class_));
+      or_else(q.a, one_coefficient(class_));
+      or_else(q.b, class_.registers());
     }
     for (std::vector<Separable::Linear>* list : {&e_.linear, &e_.moving_linear}) {
-      for (Separable::Linear& t : *list) or_else(t.slope, one_coefficient(p_));
+      for (Separable::Linear& t : *list) or_else(t.slope, one_coefficient(class_));
     }
   }
 
   // kMeasure: also the magnitudes, for scale().
   template <bool kMeasure = true, class Source>
   HWY_INLINE void set_inputs(const Source& in) {
-    for (std::int32_t i = 0; i < p_.inputs; ++i) set(kValue, N + i, in.input(0, i));
-    for (const Program::Form& f : p_.forms) {
+    for (std::int32_t i = 0; i < class_.inputs; ++i) set(kValue, N + i, in.input(0, i));
+    for (const GroupClass::Form& f : class_.forms) {
       L total = L::set(0), magnitude = total;
       for (std::int32_t o = f.begin; o < f.unknowns; ++o) {
-        const Program::Operand& operand = p_.operands[idx(o)];
+        const GroupClass::Operand& operand = class_.operands[idx(o)];
         const L term = in.coefficient(operand.coefficient) * get(kValue, operand.reg);
         total = total + term;
         if (kMeasure) magnitude = magnitude + abs(term);
@@ -177,7 +177,7 @@ class SeparableEquations {
   }
   // Sum of the magnitudes of the terms of a register; of a coordinate, its magnitude.
   HWY_INLINE L magnitude(std::int32_t reg) const {
-    return reg > p_.one() ? get(kMagnitude, reg) : abs(get(kValue, reg));
+    return reg > class_.one() ? get(kMagnitude, reg) : abs(get(kValue, reg));
   }
 
   template <bool kMeasure, class Source>
@@ -205,7 +205,7 @@ class SeparableEquations {
       if (!kMeasure) continue;
       // For a factor that is not constant, its own magnitude is added.
       L size = abs(value);
-      if (t.reg != p_.one()) size = size + magnitude(t.reg);
+      if (t.reg != class_.one()) size = size + magnitude(t.reg);
       add(abs(factor) * size, linear_magnitude_, slot(t));
     }
   }
@@ -214,18 +214,18 @@ class SeparableEquations {
   template <Part kPart, class Source>
   HWY_INLINE void derive(const Source& in, int derivative) {
     for (const std::int32_t i : moving_) set(kPart, N + i, in.input(derivative, i));
-    for (const Program::Form& f : p_.forms) {
+    for (const GroupClass::Form& f : class_.forms) {
       if (f.moving == f.unknowns) continue;
       L total = L::set(0);
       for (std::int32_t o = f.moving; o < f.unknowns; ++o) {
-        const Program::Operand& operand = p_.operands[idx(o)];
+        const GroupClass::Operand& operand = class_.operands[idx(o)];
         total.add_product(in.coefficient(operand.coefficient), get(kPart, operand.reg));
       }
       set(kPart, f.reg, total);
     }
   }
 
-  const Program& p_;
+  const GroupClass& class_;
   Separable e_;
   std::vector<std::int32_t> moving_;                             // inputs
   Array registers_;                                              // registers x parts

@@ -34,7 +34,7 @@ struct Slopes {
 };
 
 // computed: inputs, 1 if another group computes the input in some group of the class.
-[[nodiscard]] Slopes slopes_of(const Program& program, const Separable& separable,
+[[nodiscard]] Slopes slopes_of(const GroupClass& group_class, const Separable& separable,
                                std::span<const std::uint8_t> computed);
 
 }  // namespace assur

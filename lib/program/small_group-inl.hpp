@@ -193,13 +193,13 @@ class SmallGroup {
 // Calls make(std::type_identity<Equations>(), arguments of the constructor of Equations...) with the equations that
 // serve a class best. Its kernels and its program must choose the same ones.
 template <class L, int N, class Make>
-auto with_equations(const GroupClass& group_class, const Program& program, const Make& make) {
-  const std::optional<Separable> separable = separate(program, group_class.input_moves);
-  if (!separable) return make(std::type_identity<GeneralEquations<L, N>>(), group_class, program);
-  if (!measures_distances(*separable, program)) {
-    return make(std::type_identity<SeparableEquations<L, N>>(), group_class, program, *separable);
+auto with_equations(const GroupClass& group_class, const Make& make) {
+  const std::optional<Separable> separable = separate(group_class);
+  if (!separable) return make(std::type_identity<GeneralEquations<L, N>>(), group_class);
+  if (!measures_distances(*separable, group_class)) {
+    return make(std::type_identity<SeparableEquations<L, N>>(), group_class, *separable);
   }
-  return make(std::type_identity<DistanceEquations<L, N>>(), group_class, program, *separable);
+  return make(std::type_identity<DistanceEquations<L, N>>(), group_class, *separable);
 }
 
 // NOLINTNEXTLINE(google-readability-namespace-comments)

@@ -48,8 +48,8 @@ class TogetherGroup {
 
  public:
   TogetherGroup(std::span<const std::int32_t> reads, const Slopes& slopes, const GroupClass& group_class,
-                const Program& program, const Separable& separable)
-      : derivatives_(group_class.derivatives), reads_(reads), slopes_(slopes), s_(group_class, program, separable) {}
+                const Separable& separable)
+      : derivatives_(group_class.derivatives), reads_(reads), slopes_(slopes), s_(group_class, separable) {}
 
   template <class Io>
   HWY_INLINE void run(TogetherPass pass, Io& io) {
@@ -256,11 +256,11 @@ class TogetherGroup {
   SmallInverse<L, N> inverse_;
 };
 
-// Calls make(std::type_identity<TogetherGroup>(), program, separable) with the one that serves a class best.
+// Calls make(std::type_identity<TogetherGroup>(), group_class, separable) with the one that serves a class best.
 template <class L, int N, class Make>
-auto with_together_group(const GroupClass& group_class, const Program& program, const Make& make) {
-  const std::optional<Separable> separable = separate(program, group_class.input_moves);
-  if (measures_distances(*separable, program)) {
+auto with_together_group(const GroupClass& group_class, const Make& make) {
+  const std::optional<Separable> separable = separate(group_class);
+  if (measures_distances(*separable, group_class)) {
     return make(std::type_identity<TogetherGroup<L, N, DistanceEquations<L, N>>>(), *separable);
   }
   return make(std::type_identity<TogetherGroup<L, N, SeparableEquations<L, N>>>(), *separable);

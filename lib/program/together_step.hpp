@@ -48,7 +48,7 @@ struct TogetherShape {
 // Numbers of a group in Memory::work.
 [[nodiscard]] std::size_t work_of_together_step(const GroupClass& group_class);
 // For separable classes that have a group_step(). reads: see group_step()
-[[nodiscard]] StepProgram together_program(TogetherPass pass, const GroupClass& group_class, const Program& equations,
+[[nodiscard]] StepProgram together_program(TogetherPass pass, const GroupClass& group_class,
                                            std::span<const std::int32_t> reads, const Slopes& slopes,
                                            const TogetherShape& shape);
 

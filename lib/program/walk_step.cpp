@@ -91,8 +91,8 @@ class Writer : WalkRules {
   using Registers = Values;
 
  public:
-  Writer(const Program& equations, const lanes::Elimination& elimination)
-      : p_(equations), n_(idx(equations.n)), inverse_(p_.pattern, elimination) {}
+  Writer(const GroupClass& group_class, const lanes::Elimination& elimination)
+      : class_(group_class), n_(idx(group_class.n)), inverse_(class_.pattern, elimination) {}
 
   [[nodiscard]] StepProgram write() {
     StepProgram out;
@@ -117,7 +117,9 @@ class Writer : WalkRules {
   [[nodiscard]] auto coefficients() {
     return [this](std::int32_t k) { return coefficient(k); };
   }
-  [[nodiscard]] Value coefficient(std::int32_t k) { return GroupSlots(graph_, p_, std::uint16_t{0}).coefficient(k); }
+  [[nodiscard]] Value coefficient(std::int32_t k) {
+    return GroupSlots(graph_, class_, std::uint16_t{0}).coefficient(k);
+  }
 
   // A posture: of unknowns and inputs.
   struct Posture {
@@ -126,7 +128,7 @@ class Writer : WalkRules {
   [[nodiscard]] Posture posture(Memory unknowns, Memory inputs) {
     Posture out;
     for (std::size_t j = 0; j < n_; ++j) out.unknowns.push_back(load(unknowns, j));
-    for (std::size_t i = 0; i < idx(p_.inputs); ++i) out.inputs.push_back(load(inputs, i));
+    for (std::size_t i = 0; i < idx(class_.inputs); ++i) out.inputs.push_back(load(inputs, i));
     return out;
   }
   [[nodiscard]] Posture begin_of_chord() { return posture(WalkSlots::from, WalkSlots::from_inputs); }
@@ -141,7 +143,7 @@ class Writer : WalkRules {
     return phi;
   }
   [[nodiscard]] Values jacobian(Equations& equations) {
-    Values out(idx(p_.pattern.nnz()));
+    Values out(idx(class_.pattern.nnz()));
     equations.differentiate(coefficients(), [&](std::size_t k, const Value& x) { out[k] = x; });
     return out;
   }
@@ -156,7 +158,7 @@ class Writer : WalkRules {
 
   // One of Newton's corrections, in lanes that are active.
   void correct() {
-    Equations equations(p_);
+    Equations equations(class_);
     const Posture at = end_of_chord();
     Values phi = residuals(equations, at);
     for (std::size_t i = 0; i < n_; ++i) phi[i] = phi[i] - load(WalkSlots::aims, i);
@@ -180,13 +182,13 @@ class Writer : WalkRules {
 
   // Sizes of the changes of all registers for these of unknowns and inputs.
   [[nodiscard]] Registers changes(const Values& unknowns, const Values& inputs) {
-    Registers out(idx(p_.registers));
+    Registers out(idx(class_.registers()));
     for (std::size_t j = 0; j < n_; ++j) out[j] = unknowns[j];
     for (std::size_t i = 0; i < inputs.size(); ++i) out[n_ + i] = inputs[i];
-    for (const Program::Form& f : p_.forms) {
+    for (const GroupClass::Form& f : class_.forms) {
       Value sum = kNone;
       for (std::int32_t o = f.begin; o < f.end; ++o) {
-        const Program::Operand& term = p_.operands[idx(o)];
+        const GroupClass::Operand& term = class_.operands[idx(o)];
         sum.add_product(abs(coefficient(term.coefficient)), out[idx(term.reg)]);
       }
       out[idx(f.reg)] = sum;
@@ -196,11 +198,11 @@ class Writer : WalkRules {
   // For each equation: bounds of the sums of the sizes of the changes of its row of the Jacobian.
   [[nodiscard]] Values row_changes(const Registers& by) {
     Values sums(n_);
-    for (std::int32_t c = 0; c < p_.n; ++c) {
-      for (std::int32_t k = p_.pattern.column_start[idx(c)]; k < p_.pattern.column_start[idx(c) + 1]; ++k) {
-        Value& sum = sums[idx(p_.pattern.row[idx(k)])];
-        for (std::int32_t o = p_.entries[idx(k)].begin; o < p_.entries[idx(k)].end; ++o) {
-          const Program::Operand& term = p_.entry_operands[idx(o)];
+    for (std::int32_t c = 0; c < class_.n; ++c) {
+      for (std::int32_t k = class_.pattern.column_start[idx(c)]; k < class_.pattern.column_start[idx(c) + 1]; ++k) {
+        Value& sum = sums[idx(class_.pattern.row[idx(k)])];
+        for (std::int32_t o = class_.entries[idx(k)].begin; o < class_.entries[idx(k)].end; ++o) {
+          const GroupClass::Operand& term = class_.entry_operands[idx(o)];
           sum.add_product(abs(coefficient(term.coefficient)), by[idx(term.reg)]);
         }
       }
@@ -211,13 +213,13 @@ class Writer : WalkRules {
   [[nodiscard]] Values input_changes(const Equations& middle, const Registers& half, const Registers& strays) {
     Values sums(n_);
     for (std::size_t i = 0; i < n_; ++i) {
-      const Program::Equation& e = p_.equations[i];
+      const GroupClass::Equation& e = class_.equations[i];
       for (std::int32_t o = e.linear.begin; o < e.linear.end; ++o) {
-        const Program::Operand& term = p_.linear[idx(o)];
+        const GroupClass::Operand& term = class_.linear[idx(o)];
         sums[i].add_product(abs(coefficient(term.coefficient)), strays[idx(term.reg)]);
       }
       for (std::int32_t o = e.products.begin; o < e.products.end; ++o) {
-        const Program::Product& q = p_.products[idx(o)];
+        const GroupClass::Product& q = class_.products[idx(o)];
         Value by = (abs(middle.value(q.a)) + half[idx(q.a)]) * strays[idx(q.b)];
         by.add_product(strays[idx(q.a)], abs(middle.value(q.b)) + half[idx(q.b)]);
         sums[i].add_product(abs(coefficient(q.coefficient)), by);
@@ -233,11 +235,11 @@ class Writer : WalkRules {
   // chord begins. Along it they are those of its end, and 4 t (1 - t) times those in the middle.
   void test() {
     const Posture from = begin_of_chord(), to = end_of_chord();
-    Equations equations(p_);
+    Equations equations(class_);
     const Values open = residuals(equations, from);
     Values left = residuals(equations, to);
     Posture middle;
-    Values half, half_inputs, strays, none(n_), units(n_, kAll), no_inputs(idx(p_.inputs));
+    Values half, half_inputs, strays, none(n_), units(n_, kAll), no_inputs(idx(class_.inputs));
     const auto go = [](const Value& begin, const Value& end, Values& at, Values& by) {
       by.push_back(Value::set(0.5) * (end - begin));
       at.push_back(begin + by.back());
@@ -282,7 +284,7 @@ class Writer : WalkRules {
     graph_.store(slot(WalkSlots::used, 0), if_at_most(failed, kNone, finite, none_left));
   }
 
-  const Program& p_;
+  const GroupClass& class_;
   std::size_t n_;
   Inverse inverse_;
   Graph graph_;
@@ -290,8 +292,8 @@ class Writer : WalkRules {
 
 }  // namespace
 
-StepProgram walk_step(const Program& equations, const lanes::Elimination& elimination) {
-  return Writer(equations, elimination).write();
+StepProgram walk_step(const GroupClass& group_class, const lanes::Elimination& elimination) {
+  return Writer(group_class, elimination).write();
 }
 
 }  // namespace assur

@@ -27,11 +27,11 @@ struct WalkSlots {
 };
 
 // Numbers in Memory::work.
-[[nodiscard]] inline std::size_t work_of_walk_step(const Program& equations) {
-  return static_cast<std::size_t>(equations.n) + 4;
+[[nodiscard]] inline std::size_t work_of_walk_step(const GroupClass& group_class) {
+  return static_cast<std::size_t>(group_class.n) + 4;
 }
 
 // For classes without functions and gears. elimination: with pivots that serve on the way; of more than three unknowns
-[[nodiscard]] StepProgram walk_step(const Program& equations, const lanes::Elimination& elimination);
+[[nodiscard]] StepProgram walk_step(const GroupClass& group_class, const lanes::Elimination& elimination);
 
 }  // namespace assur

@@ -611,11 +611,10 @@ std::vector<double> Tile::uniqueness(int lane) const {
   std::vector<double> radius(layout_.address.size(), kInfinity);
   for (std::size_t g = 0; g < layout_.packs.size(); ++g) {
     const Pack& pack = layout_.packs[g];
-    const Program& program = layout_.solvers[idx(pack.group_class)]->program();
-    const bool quadratic = structure_->classes[idx(pack.group_class)].quadratic;
-    for (std::size_t i = 0; i < idx(program.n); ++i) {
-      const double omega = pack.omega[idx(program.unknown_block[i]) * idx(lanes_) + idx(lane)];
-      radius[idx(structure_->groups[g].unknowns[i])] = quadratic ? kBall / omega : 0;
+    const GroupClass& c = layout_.solvers[idx(pack.group_class)]->group_class();
+    for (std::size_t i = 0; i < idx(c.n); ++i) {
+      const double omega = pack.omega[idx(c.unknown_block[i]) * idx(lanes_) + idx(lane)];
+      radius[idx(structure_->groups[g].unknowns[i])] = c.quadratic() ? kBall / omega : 0;
     }
   }
   return radius;

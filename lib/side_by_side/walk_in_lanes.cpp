@@ -57,7 +57,7 @@ std::unique_ptr<WalkInLanes> WalkInLanes::make(const System& system, std::span<c
   for (const Group& group : groups) {
     const GroupClass& c = classes[idx(group.group_class)];
     if (!can_take(Path::walk_in_lanes, needs_of(c))) return nullptr;
-    const Pattern pattern = jacobian_pattern(c);
+    const Pattern& pattern = c.pattern;
     lanes::Elimination elimination;
     if (pattern.n > kWithoutPivots) {
       const lanes::Order order = lanes::markowitz_order(pattern, nonzeros(system, group, pattern, posture), 1, 1, {});
@@ -70,22 +70,22 @@ std::unique_ptr<WalkInLanes> WalkInLanes::make(const System& system, std::span<c
     part.constants = group.constants;
     // Groups of one class often lie so differently that other pivots serve them.
     while (part.by < out->steps_.size() &&
-           !(out->steps_[part.by].group_class == group.group_class && eliminations[part.by] == elimination)) {
+           !(out->steps_[part.by].number == group.group_class && eliminations[part.by] == elimination)) {
       ++part.by;
     }
     if (part.by == out->steps_.size()) {
       Step& step = out->steps_.emplace_back();
-      step.group_class = group.group_class;
-      step.program = compile(c, pattern);
-      const StepProgram program = walk_step(step.program, elimination);
+      step.number = group.group_class;
+      step.group_class = c;
+      const StepProgram program = walk_step(c, elimination);
       if (code != nullptr) step.executor = code->of(program, lanes);
       if (!step.executor) step.executor = make_interpreter(program, lanes);
       eliminations.push_back(std::move(elimination));
       inputs = std::max(inputs, idx(c.inputs));
       unknowns = std::max(unknowns, idx(c.n));
-      work = std::max(work, work_of_walk_step(step.program));
+      work = std::max(work, work_of_walk_step(c));
     }
-    part.coefficients.resize(out->steps_[part.by].program.coefficients.size() * w);
+    part.coefficients.resize(out->steps_[part.by].group_class.coefficients.size() * w);
     for (LaneArray* v : {&part.open, &part.aims}) v->resize(idx(c.n) * w);
   }
   for (std::size_t c = 0; c < system.coordinates.size(); ++c) {
@@ -107,7 +107,7 @@ void WalkInLanes::set(std::size_t lane, const System& numbers, std::span<const d
   for (Part& part : parts_) {
     constants_.clear();
     for (const std::int32_t k : part.constants) constants_.push_back(numbers.constants[idx(k)]);
-    bind_coefficients(steps_[part.by].program, constants_, part.coefficients.data() + lane, w_);
+    bind_coefficients(steps_[part.by].group_class, constants_, part.coefficients.data() + lane, w_);
   }
 }
 

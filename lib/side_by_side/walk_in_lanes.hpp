@@ -59,8 +59,8 @@ class WalkInLanes {
     [[nodiscard]] double target() const { return share + step < 1 ? share + step : 1; }
   };
   struct Step {
-    std::int32_t group_class = 0;
-    Program program;
+    std::int32_t number = 0;  // of the class
+    GroupClass group_class;
     std::shared_ptr<const Executor> executor;
   };
   struct Part {

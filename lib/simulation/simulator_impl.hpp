@@ -287,7 +287,7 @@ struct Simulator::Impl {
       for (std::size_t lane = 0; lane < pack.groups.size(); ++lane) {
         GroupFigures& of = all[idx(pack.groups[lane])];
         of = {pack.groups[lane], health.residual[lane], health.condition[lane], 0};
-        for (std::size_t i = 0; i < idx(solver.program().n); ++i) {
+        for (std::size_t i = 0; i < idx(solver.group_class().n); ++i) {
           of.estimated_error = std::max(of.estimated_error, estimate.of_coordinate(pack.unknowns + i * w + lane));
         }
       }

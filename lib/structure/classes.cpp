@@ -19,16 +19,17 @@ class Hash {
   std::uint64_t h_ = 1469598103934665603ULL;
 };
 
-std::size_t hash(const GroupClass& c) {
+std::size_t hash(const LocalEquations& e) {
+  const GroupClass& c = e.outline;
   Hash h;
   for (const Index v : {c.n, c.inputs, c.constants, c.derivatives, c.first_wanted}) h.add(v);
   for (const auto m : c.input_moves) h.add(m);
-  for (const Index f : c.form_start) h.add(f);
-  for (const auto& t : c.terms) h.add(t.coordinate), h.add(t.constant);
-  for (const auto& p : c.products) h.add(p.a), h.add(p.b), h.add(p.constant);
+  for (const Index f : e.form_start) h.add(f);
+  for (const auto& t : e.terms) h.add(t.coordinate), h.add(t.constant);
+  for (const auto& p : e.products) h.add(p.a), h.add(p.b), h.add(p.constant);
   for (const Index b : c.unknown_block) h.add(b);
   for (const Index b : c.equation_block) h.add(b);
-  for (const auto& e : c.equations) h.add(e.products_end), h.add(e.linear);
+  for (const auto& of : e.equations) h.add(of.products_end), h.add(of.linear);
   return h.value();
 }
 
@@ -49,14 +50,14 @@ Index ClassTable::first_like(Index callback) {
 
 void ClassTable::classify(const GroupContent& content, Group& group) {
   const System& s = system_;
-  GroupClass c;
+  LocalEquations of;
+  GroupClass& c = of.outline;
   c.n = static_cast<Index>(content.unknowns.size());
   c.derivatives = content.derivatives;
   c.first_wanted = content.first_wanted;
   c.blocks = content.blocks;
   c.unknown_block = content.unknown_block;
   c.equation_block = content.equation_block;
-  c.form_start = {0};
 
   group.unknowns = content.unknowns;
   group.equations = content.equations;
@@ -89,35 +90,34 @@ void ClassTable::classify(const GroupContent& content, Group& group) {
   // Equal forms are stored once: one difference of coordinates serves all equations of a group.
   std::unordered_multimap<std::size_t, Index> form_by_hash;
   const auto form = [&](Index global) -> Index {
-    const std::size_t first = c.terms.size();
+    const std::size_t first = of.terms.size();
     Hash h;
     for (const Term& t : s.form(global)) {
-      c.terms.push_back({coordinate(t.coordinate), constant(t.constant)});
-      h.add(c.terms.back().coordinate);
-      h.add(c.terms.back().constant);
+      of.terms.push_back({coordinate(t.coordinate), constant(t.constant)});
+      h.add(of.terms.back().coordinate);
+      h.add(of.terms.back().constant);
     }
     const auto [begin, end] = form_by_hash.equal_range(h.value());
     for (auto it = begin; it != end; ++it) {
-      const auto from = c.terms.begin() + c.form_start[idx(it->second)];
-      const auto to = c.terms.begin() + c.form_start[idx(it->second) + 1];
-      if (std::equal(from, to, c.terms.begin() + static_cast<std::ptrdiff_t>(first), c.terms.end())) {
-        c.terms.resize(first);
+      const auto from = of.terms.begin() + of.form_start[idx(it->second)];
+      const auto to = of.terms.begin() + of.form_start[idx(it->second) + 1];
+      if (std::equal(from, to, of.terms.begin() + static_cast<std::ptrdiff_t>(first), of.terms.end())) {
+        of.terms.resize(first);
         return it->second;
       }
     }
-    c.form_start.push_back(static_cast<Index>(c.terms.size()));
-    form_by_hash.emplace(h.value(), c.forms() - 1);
-    return c.forms() - 1;
+    of.form_start.push_back(static_cast<Index>(of.terms.size()));
+    form_by_hash.emplace(h.value(), of.forms() - 1);
+    return of.forms() - 1;
   };
   for (const Index id : content.equations) {
     const Equation& e = s.equations[idx(id)];
-    GroupClass::Equation local{static_cast<Index>(c.products.size()), 0, -1, -1, e.row};
+    LocalEquations::Equation local{static_cast<Index>(of.products.size()), 0, -1, -1, e.row};
     if (e.callback >= 0) {
-      c.quadratic = false;
       local.callback = first_like(e.callback);
       for (const Index f : s.callbacks[idx(e.callback)].coordinates) {
         const Index argument = form(f);
-        c.products.push_back({argument, -1, -1});
+        of.products.push_back({argument, -1, -1});
       }
     } else {
       local.row = 0;
@@ -125,26 +125,33 @@ void ClassTable::classify(const GroupContent& content, Group& group) {
     if (e.linear >= 0) local.linear = form(e.linear);
     for (const Product& p : s.products_of(e)) {
       const Index a = form(p.a), b = form(p.b);
-      c.products.push_back({a, b, constant(p.constant)});
+      of.products.push_back({a, b, constant(p.constant)});
     }
-    local.products_end = static_cast<Index>(c.products.size());
-    c.equations.push_back(local);
+    local.products_end = static_cast<Index>(of.products.size());
+    of.equations.push_back(local);
   }
-  find_gears(s, c);
+  for (LocalEquations::Equation& e : of.equations) {
+    if (e.callback < 0) continue;
+    auto gear = gear_of_class(s.callbacks[idx(e.callback)]);
+    if (!gear) continue;
+    e.gear = static_cast<Index>(of.gears.size());
+    of.gears.push_back(std::move(*gear));
+  }
   for (const Index u : content.unknowns) local_coordinate_[idx(u)] = kAbsent;
   for (const Index i : group.inputs) local_coordinate_[idx(i)] = kAbsent;
 
-  const std::size_t h = hash(c);
+  const std::size_t h = hash(of);
   const auto [begin, end] = by_hash_.equal_range(h);
   for (auto it = begin; it != end; ++it) {
-    if (classes_[idx(it->second)] == c) {
+    if (written_[idx(it->second)] == of) {
       group.group_class = it->second;
       return;
     }
   }
   group.group_class = static_cast<Index>(classes_.size());
   by_hash_.emplace(h, group.group_class);
-  classes_.push_back(std::move(c));
+  classes_.push_back(write_class(of));
+  written_.push_back(std::move(of));
 }
 
 }  // namespace assur

@@ -7,6 +7,7 @@
 
 #include "assur/structure.hpp"
 #include "scene/system.hpp"
+#include "structure/local_equations.hpp"
 
 namespace assur {
 
@@ -38,6 +39,7 @@ class ClassTable {
   const System& system_;
   const std::vector<std::uint8_t>& moves_;
   std::vector<Index> local_coordinate_;  // scratch: coordinates, -2: not in this group
+  std::vector<LocalEquations> written_;  // of the classes
   std::vector<GroupClass> classes_;
   std::unordered_multimap<std::size_t, Index> by_hash_;
   std::vector<std::pair<GroupClass::Gear, Index>> gears_;  // different ones, and their callbacks

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include "equations/angles-inl.hpp"
@@ -110,8 +111,7 @@ Scene racks() {
 // What an evaluator gives at random postures near the start, with random rates and changes.
 std::vector<std::vector<double>> results(const Structure& s, const Group& g, const GroupClass& c) {
   constexpr std::size_t w = 4;
-  const Program program = compile(c, s.pattern(g.group_class));
-  const auto evaluator = make_evaluator(*s.system, program, w);
+  const auto evaluator = make_evaluator(*s.system, c, w);
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> any(-1, 1);
   const auto numbers = [&](std::size_t count) {
@@ -119,15 +119,15 @@ std::vector<std::vector<double>> results(const Structure& s, const Group& g, con
     for (double& x : out) x = any(random);
     return out;
   };
-  std::vector<double> constants, k((idx(one_coefficient(program)) + 1) * w, 1.0), x, h;
+  std::vector<double> constants, k((idx(one_coefficient(c)) + 1) * w, 1.0), x, h;
   for (const Index i : g.constants) constants.push_back(s.system->constants[idx(i)]);
-  for (std::size_t l = 0; l < w; ++l) bind_coefficients(program, constants, k.data() + l, w);
+  for (std::size_t l = 0; l < w; ++l) bind_coefficients(c, constants, k.data() + l, w);
   for (const Index i : g.inputs) h.insert(h.end(), w, s.start[idx(i)]);
   for (const Index i : g.unknowns) {
     for (std::size_t l = 0; l < w; ++l) x.push_back(s.start[idx(i)] + 0.05 * any(random));
   }
   const std::size_t n = g.unknowns.size(), m = g.inputs.size();
-  std::vector<double> phi(n * w), j(idx(program.pattern.nnz()) * w), scale(n * w), least(n * w, 0.0), rounding(n * w);
+  std::vector<double> phi(n * w), j(idx(c.pattern.nnz()) * w), scale(n * w), least(n * w, 0.0), rounding(n * w);
   evaluator->set_inputs(k.data(), h.data());
   evaluator->evaluate(x.data(), phi.data(), j.data());
   evaluator->scale(scale.data());
@@ -153,7 +153,19 @@ TEST(GearRows, AreTheFunctionsOfGears) {
       any = true;
       GroupClass by_functions = c;
       by_functions.gears.clear();
-      for (GroupClass::Equation& e : by_functions.equations) e.gear = -1;
+      by_functions.gear_entries.clear();
+      by_functions.gear_arguments = by_functions.gear_angles = 0;
+      for (std::size_t i = 0; i < c.equations.size(); ++i) {
+        const Index gear = std::exchange(by_functions.equations[i].gear, -1);
+        if (gear < 0) continue;
+        const auto use = static_cast<Index>(by_functions.callbacks.size());
+        by_functions.callbacks.push_back({s.system->equations[idx(g.equations[i])].callback,
+                                          {{static_cast<Index>(i), 0}},
+                                          c.gears[idx(gear)].arguments});
+        for (const GroupClass::GearEntry& e : c.gear_entries) {
+          if (e.gear == gear) by_functions.callback_entries.push_back({e.nonzero, use, 0, e.argument, e.coefficient});
+        }
+      }
       const auto found = results(s, g, c), expected = results(s, g, by_functions);
       for (std::size_t i = 0; i < found[kPhi].size(); ++i) {
         // Both residuals are rounded; the scales of functions differ, and may vanish.

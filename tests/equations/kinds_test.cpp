@@ -198,11 +198,9 @@ class Pack {
       : structure_(structure),
         group_(group),
         class_(look::class_of(structure, group)),
-        pattern_(structure.pattern(group.group_class)),
-        program_(compile(class_, pattern_)),
-        evaluator_(make_evaluator(*structure.system, program_, lanes)),
+        evaluator_(make_evaluator(*structure.system, class_, lanes)),
         w_(static_cast<std::size_t>(lanes)),
-        coefficients_(program_.coefficients.size() * w_) {
+        coefficients_(class_.coefficients.size() * w_) {
     std::mt19937 random(static_cast<unsigned>(lanes));
     std::uniform_real_distribution<double> unit(-1, 1);
     for (std::size_t l = 0; l < w_; ++l) {
@@ -220,14 +218,14 @@ class Pack {
       }
       std::vector<double> constants;
       for (const Index k : group.constants) constants.push_back(lane.system.constants[idx(k)]);
-      bind_coefficients(program_, constants, coefficients_.data() + l, w_);
+      bind_coefficients(class_, constants, coefficients_.data() + l, w_);
       lanes_.push_back(std::move(lane));
     }
   }
 
   void check() {
     const std::size_t n = idx(class_.n), rows = class_.equations.size();
-    std::vector<double> phi(rows * w_), jacobian(idx(pattern_.nnz()) * w_), scale(rows * w_), velocity(rows * w_),
+    std::vector<double> phi(rows * w_), jacobian(idx(class_.pattern.nnz()) * w_), scale(rows * w_), velocity(rows * w_),
         acceleration(rows * w_);
     evaluator_->set_inputs(coefficients_.data(), gather(group_.inputs, &Lane::q).data());
     evaluator_->evaluate(gather(group_.unknowns, &Lane::q).data(), phi.data(), jacobian.data());
@@ -245,8 +243,8 @@ class Pack {
         reach[c] += std::abs(lane.rate[c]) + std::abs(lane.acceleration[c]);
       Eigen::MatrixXd j = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(rows), static_cast<Eigen::Index>(n));
       for (std::size_t c = 0; c < n; ++c) {
-        for (Index k = pattern_.column_start[c]; k < pattern_.column_start[c + 1]; ++k) {
-          j(pattern_.row[idx(k)], static_cast<Eigen::Index>(c)) = jacobian[idx(k) * w_ + l];
+        for (Index k = class_.pattern.column_start[c]; k < class_.pattern.column_start[c + 1]; ++k) {
+          j(class_.pattern.row[idx(k)], static_cast<Eigen::Index>(c)) = jacobian[idx(k) * w_ + l];
         }
       }
       for (std::size_t i = 0; i < rows; ++i) {
@@ -339,8 +337,6 @@ class Pack {
   const Structure& structure_;
   const Group& group_;
   const GroupClass& class_;
-  Pattern pattern_;
-  Program program_;
   std::unique_ptr<Evaluator> evaluator_;
   std::size_t w_;
   std::vector<double> coefficients_;

@@ -40,20 +40,19 @@ TEST(ProgramCallback, IsEvaluatedInSiUnitsInEveryLane) {
     ASSERT_EQ(s.cannot_assemble, "");
     const Group& g = look::group(s, "P");
     const GroupClass& c = look::class_of(s, g);
-    EXPECT_FALSE(c.quadratic);
-    const Program program = compile(c, s.pattern(g.group_class));
+    EXPECT_FALSE(c.quadratic());
     const double unit = s.system->unit(1);
     for (const int lanes : {1, 2, 8}) {
       const auto w = static_cast<std::size_t>(lanes);
-      const auto evaluator = make_evaluator(*s.system, program, lanes);
-      std::vector<double> constants, k(program.coefficients.size() * w), inputs, unknowns;
+      const auto evaluator = make_evaluator(*s.system, c, lanes);
+      std::vector<double> constants, k(c.coefficients.size() * w), inputs, unknowns;
       for (const Index i : g.constants) constants.push_back(s.system->constants[idx(i)]);
-      for (std::size_t l = 0; l < w; ++l) bind_coefficients(program, constants, k.data() + l, w);
+      for (std::size_t l = 0; l < w; ++l) bind_coefficients(c, constants, k.data() + l, w);
       for (const Index i : g.inputs) inputs.insert(inputs.end(), w, s.start[idx(i)]);
       for (const Index i : g.unknowns) {
         for (std::size_t l = 0; l < w; ++l) unknowns.push_back(s.start[idx(i)] + 0.125 * static_cast<double>(l + 1));
       }
-      std::vector<double> phi(2 * w), j(idx(program.pattern.nnz()) * w), rhs(2 * w), rates(unknowns.size());
+      std::vector<double> phi(2 * w), j(idx(c.pattern.nnz()) * w), rhs(2 * w), rates(unknowns.size());
       for (std::size_t i = 0; i < rates.size(); ++i) rates[i] = 0.25 * static_cast<double>(i + 1);
       evaluator->set_inputs(k.data(), inputs.data());
       evaluator->evaluate(unknowns.data(), phi.data(), j.data());
@@ -67,17 +66,15 @@ TEST(ProgramCallback, IsEvaluatedInSiUnitsInEveryLane) {
       evaluator->velocity_rhs(none.data(), again.data());
       evaluator->acceleration_rhs(rates.data(), none.data(), again.data());
       EXPECT_EQ(again, rhs);
-      std::size_t row = 0;
-      while (c.equations[row].callback < 0) ++row;
+      const auto row = idx(c.callbacks.at(0).rows.at(0).equation);
       for (std::size_t l = 0; l < w; ++l) {
         const double x = unknowns[l] * unit, y = unknowns[w + l] * unit, r = 1.5 * length;
         EXPECT_NEAR(phi[row * w + l], x * x + y * y - r * r, 16 * kEps * (x * x + y * y + r * r));
         const double vx = rates[l] * unit, vy = rates[w + l] * unit;
         EXPECT_NEAR(rhs[row * w + l], -2 * (vx * vx + vy * vy), 16 * kEps * (vx * vx + vy * vy));
         for (Index column = 0; column < 2; ++column) {
-          for (Index e = program.pattern.column_start[idx(column)]; e < program.pattern.column_start[idx(column) + 1];
-               ++e) {
-            if (program.pattern.row[idx(e)] != static_cast<Index>(row)) continue;
+          for (Index e = c.pattern.column_start[idx(column)]; e < c.pattern.column_start[idx(column) + 1]; ++e) {
+            if (c.pattern.row[idx(e)] != static_cast<Index>(row)) continue;
             const double q = column == 0 ? x : y;  // derivative of phi by q / unit
             EXPECT_NEAR(j[idx(e) * w + l], 2 * q * unit, 16 * kEps * std::abs(q) * unit);
           }
@@ -107,16 +104,14 @@ TEST(ProgramCallback, EvaluatesPartOfItsRows) {
   ASSERT_EQ(s.groups.size(), 1u);
   const Group& g = s.groups[0];
   const GroupClass& c = look::class_of(s, g);
-  const Program program = compile(c, s.pattern(g.group_class));
-  const auto evaluator = make_evaluator(*s.system, program, 1);
-  std::vector<double> constants, k(program.coefficients.size()), inputs, unknowns;
+  const auto evaluator = make_evaluator(*s.system, c, 1);
+  std::vector<double> constants, k(c.coefficients.size()), inputs, unknowns;
   for (const Index i : g.constants) constants.push_back(s.system->constants[idx(i)]);
-  bind_coefficients(program, constants, k.data(), 1);
+  bind_coefficients(c, constants, k.data(), 1);
   for (const Index i : g.inputs) inputs.push_back(s.start[idx(i)]);
   for (const Index i : g.unknowns) unknowns.push_back(s.start[idx(i)] + 0.125);
   // One more value at the end, which must not be written.
-  std::vector<double> phi(3, 77), j(idx(program.pattern.nnz()) + 1, 77), scale(3, 77), rhs(3, 77),
-      none(inputs.size(), 0);
+  std::vector<double> phi(3, 77), j(idx(c.pattern.nnz()) + 1, 77), scale(3, 77), rhs(3, 77), none(inputs.size(), 0);
   evaluator->set_inputs(k.data(), inputs.data());
   evaluator->evaluate(unknowns.data(), phi.data(), j.data());
   evaluator->scale(scale.data());
@@ -209,9 +204,8 @@ TEST(ProgramSharing, GroupsOfAClassFillTheSameSlots) {
 
 TEST(ProgramSharing, LanesAreOfFiveSizes) {
   const Structure s = structure(sample("four_bar"), groups);
-  const Program program = compile(s.classes[0], s.pattern(0));
   for (const int bad : {0, 3, 5, 32, -1})
-    EXPECT_THROW((void)make_evaluator(*s.system, program, bad), std::invalid_argument);
+    EXPECT_THROW((void)make_evaluator(*s.system, s.classes[0], bad), std::invalid_argument);
 }
 
 }  // namespace

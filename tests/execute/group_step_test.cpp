@@ -30,8 +30,7 @@ struct Setting {
   Setting(const Structure& structure, std::int32_t c, test::Draw& draw, double off = 1e-5)
       : s(structure),
         group_class(s.classes[idx(c)]),
-        equations(compile(group_class, s.pattern(c))),
-        blocks(group_class, equations, 1),
+        blocks(group_class, 1),
         reads(blocks.reads(0).begin(), blocks.reads(0).end()) {
     std::vector<const Group*> groups;
     for (const Group& g : s.groups) {
@@ -42,8 +41,8 @@ struct Setting {
       Case& at = cases[i];
       std::vector<double> constants;
       for (const std::int32_t k : g.constants) constants.push_back(s.system->constants[idx(k)]);
-      at.coefficients.resize(equations.coefficients.size());
-      bind_coefficients(equations, constants, at.coefficients.data(), 1);
+      at.coefficients.resize(group_class.coefficients.size());
+      bind_coefficients(group_class, constants, at.coefficients.data(), 1);
       for (std::int32_t k = 0; k < group_class.inputs; ++k) {
         const bool moves = group_class.input_moves[idx(k)] != 0;
         at.inputs.push_back(s.start[idx(g.inputs[idx(k)])] + (moves ? draw.real(-off, off) : 0));
@@ -64,7 +63,7 @@ struct Setting {
     const auto n = idx(group_class.n), inputs = idx(group_class.inputs);
     std::array<std::size_t, kMemories> sizes{};
     const auto size = [&](Memory memory) -> std::size_t& { return sizes[static_cast<std::size_t>(memory)]; };
-    size(Memory::coefficients) = equations.coefficients.size();
+    size(Memory::coefficients) = group_class.coefficients.size();
     for (const Memory of : {Memory::inputs, Memory::input_rates, Memory::input_accelerations}) size(of) = inputs;
     for (const Memory of : {Memory::unknowns, Memory::rates, Memory::accelerations, Memory::lipschitz}) size(of) = n;
     size(Memory::anchor) = size(Memory::anchor_rates) = reads.size();
@@ -99,7 +98,6 @@ struct Setting {
 
   const Structure& s;
   const GroupClass& group_class;
-  Program equations;
   BlockConditions blocks;
   std::vector<std::int32_t> reads;
   std::array<Case, kCases> cases;
@@ -132,21 +130,21 @@ std::vector<std::uint64_t> bits_of(test::StepMemory& m, const Setting& at, std::
 // Against the evaluator of equations, and Eigen's LU.
 void expect_solved(test::StepMemory& m, const Setting& at) {
   const auto n = static_cast<Eigen::Index>(at.group_class.n);
-  const auto evaluator = make_evaluator(*at.s.system, at.equations, 1);
+  const auto evaluator = make_evaluator(*at.s.system, at.group_class, 1);
   const std::span<const double> x(m.at[static_cast<std::size_t>(Memory::unknowns)], idx(at.group_class.n));
   const Setting::Case& c = at.cases[0];
   std::vector<double> coefficients = c.coefficients;
-  Eigen::VectorXd phi(n), scale(n), rhs(n), values(at.equations.pattern.nnz());
+  Eigen::VectorXd phi(n), scale(n), rhs(n), values(at.group_class.pattern.nnz());
   evaluator->set_inputs(coefficients.data(), c.inputs.data());
   evaluator->evaluate(x.data(), phi.data(), values.data());
   evaluator->scale(scale.data());
   for (Eigen::Index i = 0; i < n; ++i) EXPECT_LE(std::abs(phi[i]), 2 * kConverged * scale[i]);
   Eigen::MatrixXd j = Eigen::MatrixXd::Zero(n, n);
   for (Eigen::Index column = 0; column < n; ++column) {
-    const auto& start = at.equations.pattern.column_start;
+    const auto& start = at.group_class.pattern.column_start;
     for (std::int32_t k = start[static_cast<std::size_t>(column)]; k < start[static_cast<std::size_t>(column) + 1];
          ++k) {
-      j(at.equations.pattern.row[idx(k)], column) = values[k];
+      j(at.group_class.pattern.row[idx(k)], column) = values[k];
     }
   }
   const Eigen::FullPivLU<Eigen::MatrixXd> lu(j);
@@ -169,13 +167,13 @@ void expect_solved(test::StepMemory& m, const Setting& at) {
 // Against BlockConditions, which measure one group after the other.
 void expect_anchor(test::StepMemory& m, const Setting& at) {
   const auto n = idx(at.group_class.n);
-  const auto evaluator = make_evaluator(*at.s.system, at.equations, 1);
+  const auto evaluator = make_evaluator(*at.s.system, at.group_class, 1);
   const Setting::Case& c = at.cases[0];
-  std::vector<double> phi(n), scale(n), jacobian(at.equations.pattern.nnz()), lipschitz(n, c.omega);
+  std::vector<double> phi(n), scale(n), jacobian(at.group_class.pattern.nnz()), lipschitz(n, c.omega);
   evaluator->set_inputs(c.coefficients.data(), c.inputs.data());
   evaluator->evaluate(m.at[static_cast<std::size_t>(Memory::unknowns)], phi.data(), jacobian.data());
   evaluator->scale(scale.data());
-  BlockConditions blocks(at.group_class, at.equations, 1);
+  BlockConditions blocks(at.group_class, 1);
   double omega = 0, left = 0;
   blocks.measure(0, jacobian.data(), {lipschitz.data(), scale.data()}, nullptr, {&omega, &left});
   const bool renews = omega * kConverged * left <= kRoundingRoom;
@@ -205,8 +203,8 @@ TEST(GroupStep, HasTheSameBitsForEveryExecutorAndNumberOfLanes) {
       SCOPED_TRACE(file.string() + ", class " + std::to_string(c));
       ++classes;
       const Setting at(structure, c, draw);
-      const GroupProgram step = group_step(of, at.equations, at.reads);
-      const auto anchors = test::executors_of(anchor_program(of, at.equations, at.reads));
+      const GroupProgram step = group_step(of, at.reads);
+      const auto anchors = test::executors_of(anchor_program(of, at.reads));
       std::vector<std::vector<std::uint64_t>> expected;
       std::size_t number = 0;
       for (const test::NamedExecutor& e : test::executors_of(step.program)) {
@@ -258,7 +256,7 @@ TEST(GroupStep, RefinesLinearSolutionsWhereResidualsAreLarge) {
     ASSERT_EQ(prepared.structure->classes.size(), 1U);
     const Setting at(*prepared.structure, 0, draw, 1e-4 * apart * apart);
     ASSERT_TRUE(has_group_step(at.group_class));
-    const GroupProgram step = group_step(at.group_class, at.equations, at.reads);
+    const GroupProgram step = group_step(at.group_class, at.reads);
     std::vector<std::vector<std::uint64_t>> expected;
     for (const test::NamedExecutor& e : test::executors_of(step.program)) {
       SCOPED_TRACE(e.name);

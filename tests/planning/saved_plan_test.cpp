@@ -310,9 +310,9 @@ TEST(SavedPlan, RefusesOtherFiles) {
     EXPECT_NE(what.find("not a saved plan"), std::string::npos) << what;
   }
   std::string later = text;
-  later.replace(0, 12, "assur plan 8");
+  later.replace(0, 12, "assur plan 9");
   EXPECT_EQ(kind_of([&] { (void)loaded(later); }, &what), Error::Kind::input);
-  EXPECT_NE(what.find("version 7"), std::string::npos) << what;
+  EXPECT_NE(what.find("version 8"), std::string::npos) << what;
   EXPECT_EQ(kind_of([] { (void)loaded(""); }), Error::Kind::input);
   std::istringstream missing;
   missing.setstate(std::ios::failbit);

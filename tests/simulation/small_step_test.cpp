@@ -74,9 +74,9 @@ void expect_the_same_step(const Scene& scene, const std::string& strategy) {
     attempt.branch = Attempt::Branch::start;
     ASSERT_TRUE(solver.solve(pack, wanted.pointers().at, attempt, counters, errors).ok());
 
-    const BlockConditions blocks(group_class, solver.program(), solver.lanes());
+    const BlockConditions blocks(group_class, solver.lanes());
     ASSERT_TRUE(has_group_step(group_class));
-    Workspace work(*structure.system, group_class, structure.pattern(pack.group_class), solver.lanes());
+    Workspace work(*structure.system, group_class, solver.lanes());
     const auto kernel = make_small_step(work, blocks);
     const auto coded = code ? make_coded_step(work, blocks, *code) : nullptr;
     ++small;
@@ -155,12 +155,11 @@ TEST(SmallStep, SharesMachineCode) {
   EXPECT_EQ(prepare(sample("stewart"), off).code, nullptr);
   if (!p.code) GTEST_SKIP() << "this processor or this build has no machine code";
   const GroupClass& c = p.structure->classes[0];
-  const Program program = compile(c, p.structure->pattern(0));
-  const BlockConditions blocks(c, program, 8);
-  const auto eight = p.code->of(c, program, blocks.reads(0), 8).executor;
+  const BlockConditions blocks(c, 8);
+  const auto eight = p.code->of(c, blocks.reads(0), 8).executor;
   ASSERT_NE(eight, nullptr);
-  EXPECT_EQ(p.code->of(c, program, blocks.reads(0), 8).executor, eight);
-  EXPECT_NE(p.code->of(c, program, blocks.reads(0), 4).executor, eight);
+  EXPECT_EQ(p.code->of(c, blocks.reads(0), 8).executor, eight);
+  EXPECT_NE(p.code->of(c, blocks.reads(0), 4).executor, eight);
 }
 
 TEST(SmallStep, GivesTheSameMotion) {

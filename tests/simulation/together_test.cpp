@@ -185,9 +185,8 @@ TEST(Together, MeasuresDistancesAsOtherStepsDo) {
     int count = 0;
     for (std::size_t c = 0; c < p.structure->classes.size(); ++c) {
       const GroupClass& of = p.structure->classes[c];
-      const Program program = compile(of, p.structure->pattern(static_cast<std::int32_t>(c)));
-      const auto separable = separate(program, of.input_moves);
-      count += separable && measures_distances(*separable, program) ? 1 : 0;
+      const auto separable = separate(of);
+      count += separable && measures_distances(*separable, of) ? 1 : 0;
     }
     return count;
   };

@@ -30,15 +30,14 @@ class CountingCode final : public StepCode {
   explicit CountingCode(std::shared_ptr<StepCode> code) : code_(std::move(code)) {}
 
   [[nodiscard]] std::string vectors() const override { return code_->vectors(); }
-  CodeOfStep of(const GroupClass& group_class, const Program& equations, std::span<const std::int32_t> reads,
-                int lanes) override {
-    CodeOfStep out = code_->of(group_class, equations, reads, lanes);
+  CodeOfStep of(const GroupClass& group_class, std::span<const std::int32_t> reads, int lanes) override {
+    CodeOfStep out = code_->of(group_class, reads, lanes);
     if (out.executor) out.executor = std::make_shared<Counting>(out.executor, calls_of_groups);
     return out;
   }
-  CodeOfClass of(const GroupClass& group_class, const Program& equations, const lanes::Elimination& elimination,
+  CodeOfClass of(const GroupClass& group_class, const lanes::Elimination& elimination,
                  std::span<const std::int32_t> reads, int lanes, bool makes) override {
-    CodeOfClass out = code_->of(group_class, equations, elimination, reads, lanes, makes);
+    CodeOfClass out = code_->of(group_class, elimination, reads, lanes, makes);
     if (out.step) out.step = std::make_shared<Counting>(out.step, calls_of_classes);
     if (out.changes) out.changes = std::make_shared<Counting>(out.changes, changes);
     return out;

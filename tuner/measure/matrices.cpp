@@ -21,15 +21,14 @@ double entry(std::mt19937_64& random) {
 
 Matrices jacobians(const Structure& structure, std::int32_t group_class, int most) {
   const GroupClass& shape = structure.classes[static_cast<std::size_t>(group_class)];
-  const Program program = compile(shape, structure.pattern(group_class));
-  const auto evaluator = make_evaluator(*structure.system, program, 1);
-  Matrices out{program.pattern, {}};
-  std::vector<double> phi(static_cast<std::size_t>(program.n));
+  const auto evaluator = make_evaluator(*structure.system, shape, 1);
+  Matrices out{shape.pattern, {}};
+  std::vector<double> phi(static_cast<std::size_t>(shape.n));
   for (const Group& group : structure.groups) {
     if (group.group_class != group_class || static_cast<int>(out.values.size()) == most) continue;
-    const Posture at = posture(structure, program, group);
+    const Posture at = posture(structure, shape, group);
     evaluator->set_inputs(at.coefficients.data(), at.inputs.data());
-    auto& values = out.values.emplace_back(program.pattern.row.size());
+    auto& values = out.values.emplace_back(shape.pattern.row.size());
     evaluator->evaluate(at.unknowns.data(), phi.data(), values.data());
   }
   return out;

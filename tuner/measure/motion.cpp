@@ -28,12 +28,12 @@ class Evaluation final : public Workload {
  public:
   Evaluation(std::shared_ptr<const Structure> structure, std::int32_t group_class, int lanes)
       : structure_(std::move(structure)),
-        program_(compile(structure_->classes[idx(group_class)], structure_->pattern(group_class))),
-        evaluator_(make_evaluator(*structure_->system, program_, lanes)) {
+        class_(structure_->classes[idx(group_class)]),
+        evaluator_(make_evaluator(*structure_->system, class_, lanes)) {
     std::vector<Posture> postures;
     for (const Group& group : structure_->groups) {
       if (group.group_class == group_class && static_cast<int>(postures.size()) < lanes) {
-        postures.push_back(posture(*structure_, program_, group));
+        postures.push_back(posture(*structure_, class_, group));
       }
     }
     const auto side_by_side = [&](std::vector<double> Posture::*what) {
@@ -49,7 +49,7 @@ class Evaluation final : public Workload {
     inputs_ = side_by_side(&Posture::inputs);
     unknowns_ = side_by_side(&Posture::unknowns);
     phi_.resize(unknowns_.size());
-    jacobian_.resize(program_.pattern.row.size() * static_cast<std::size_t>(lanes));
+    jacobian_.resize(class_.pattern.row.size() * static_cast<std::size_t>(lanes));
   }
 
   void get_ready(int) override { (void)run(1); }
@@ -63,7 +63,7 @@ class Evaluation final : public Workload {
 
  private:
   std::shared_ptr<const Structure> structure_;
-  Program program_;
+  const GroupClass& class_;
   std::unique_ptr<Evaluator> evaluator_;
   std::vector<double> coefficients_, inputs_, unknowns_, phi_, jacobian_;
 };
@@ -125,7 +125,7 @@ struct PackStep::Impl {
   void repeat_lane_0(const Pack& pack, double* q) const {
     const GroupSolver& s = *layout.solvers[idx(pack.group_class)];
     const auto w = static_cast<std::size_t>(s.lanes());
-    for (std::size_t i = 0; i < idx(s.program().n); ++i) {
+    for (std::size_t i = 0; i < idx(s.group_class().n); ++i) {
       double* x = q + pack.unknowns + i * w;
       std::fill(x + pack.used, x + w, x[0]);
     }
@@ -146,7 +146,7 @@ struct PackStep::Impl {
   // Unknowns of all lanes.
   [[nodiscard]] std::size_t size(const Pack& pack) const {
     const GroupSolver& s = *layout.solvers[idx(pack.group_class)];
-    return idx(s.program().n) * static_cast<std::size_t>(s.lanes());
+    return idx(s.group_class().n) * static_cast<std::size_t>(s.lanes());
   }
 
   bool takes_one_iteration() {

@@ -14,10 +14,10 @@ std::vector<double> gather(const std::vector<std::int32_t>& places, const std::v
 
 }  // namespace
 
-Posture posture(const Structure& structure, const Program& program, const Group& group) {
-  Posture out{std::vector<double>(program.coefficients.size()), gather(group.inputs, structure.start),
+Posture posture(const Structure& structure, const GroupClass& group_class, const Group& group) {
+  Posture out{std::vector<double>(group_class.coefficients.size()), gather(group.inputs, structure.start),
               gather(group.unknowns, structure.start)};
-  bind_coefficients(program, gather(group.constants, structure.system->constants), out.coefficients.data(), 1);
+  bind_coefficients(group_class, gather(group.constants, structure.system->constants), out.coefficients.data(), 1);
   return out;
 }
 

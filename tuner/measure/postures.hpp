@@ -9,10 +9,10 @@
 namespace assur::measure {
 
 struct Posture {
-  std::vector<double> coefficients;  // of the program
+  std::vector<double> coefficients;  // of the group_class
   std::vector<double> inputs, unknowns;
 };
 
-[[nodiscard]] Posture posture(const Structure& structure, const Program& program, const Group& group);
+[[nodiscard]] Posture posture(const Structure& structure, const GroupClass& group_class, const Group& group);
 
 }  // namespace assur::measure
