@@ -1,6 +1,7 @@
 #include "equations/program.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <tuple>
@@ -271,56 +272,60 @@ class Compiler {
   std::map<std::tuple<double, std::int32_t, std::int32_t, std::int32_t>, std::int32_t> known_;  // coefficients
 };
 
-double value(std::int32_t constant, std::span<const double> constants) {
-  return constant == -1 ? 1.0 : constant == -2 ? -1.0 : constants[idx(constant)];
-}
-
 }  // namespace
 
 Program compile(const GroupClass& group_class, Pattern pattern) {
   return Compiler(group_class, std::move(pattern)).run();
 }
 
-void bind_coefficients(const Program& p, std::span<const double> constants, double* out, std::size_t stride) {
+void bind_coefficients(const Program& p, const double* constants, double* out, std::size_t lanes) {
   for (const Coefficient& k : p.coefficients) {
-    double v = k.literal;
+    std::fill_n(out, lanes, k.literal);
     for (const std::int32_t c : k.constant) {
-      if (c >= 0) v *= constants[idx(c)];
+      for (std::size_t l = 0; c >= 0 && l < lanes; ++l) out[l] *= constants[idx(c) * lanes + l];
     }
-    *out = v;
-    out += stride;
+    out += lanes;
   }
 }
 
-void lipschitz(const GroupClass& c, std::span<const double> constants, double* out, std::size_t stride) {
-  for (std::size_t i = 0; i < c.equations.size(); ++i) {
+void lipschitz(const GroupClass& c, const double* constants, double* out, std::size_t lanes) {
+  using Row = std::array<double, kMostLanes>;
+  Row ones;
+  ones.fill(1);
+  const auto sizes = [&](std::int32_t constant) {  // those of literals are 1 or -1
+    return constant < 0 ? ones.data() : constants + idx(constant) * lanes;
+  };
+  // Sums of |coefficient| of a form: over the block's unknowns, and over everything that moves.
+  struct Sums {
+    Row in_block, moving;
+  };
+  const auto add_up = [&](std::int32_t f, std::int32_t block, Sums& to) {
+    to.in_block.fill(0);
+    to.moving.fill(0);
+    for (std::int32_t t = c.form_start[idx(f)]; t < c.form_start[idx(f) + 1]; ++t) {
+      const GroupClass::Term& term = c.terms[idx(t)];
+      const bool is_unknown = term.coordinate < c.n;
+      if (term.coordinate < 0 || (!is_unknown && c.input_moves[idx(term.coordinate - c.n)] == 0)) continue;
+      const bool is_in_block = is_unknown && c.unknown_block[idx(term.coordinate)] == block;
+      const double* const a = sizes(term.constant);
+      for (std::size_t l = 0; l < lanes; ++l) to.moving[l] += std::abs(a[l]);
+      for (std::size_t l = 0; is_in_block && l < lanes; ++l) to.in_block[l] += std::abs(a[l]);
+    }
+  };
+  Sums a, b;
+  for (std::size_t i = 0; i < c.equations.size(); ++i, out += lanes) {
     const GroupClass::Equation& e = c.equations[i];
-    double sum = e.callback >= 0 ? kInfinity : 0;
-    const std::int32_t block = c.equation_block[i];
-    // Sums of |coefficient| of a form: over the block's unknowns, and over everything that moves.
-    const auto sums = [&](std::int32_t f) {
-      double in_block = 0, moving = 0;
-      for (std::int32_t t = c.form_start[idx(f)]; t < c.form_start[idx(f) + 1]; ++t) {
-        const GroupClass::Term& term = c.terms[idx(t)];
-        const double a = std::abs(value(term.constant, constants));
-        if (term.coordinate < 0) continue;
-        if (term.coordinate < c.n) {
-          moving += a;
-          if (c.unknown_block[idx(term.coordinate)] == block) in_block += a;
-        } else if (c.input_moves[idx(term.coordinate - c.n)] != 0) {
-          moving += a;
-        }
-      }
-      return std::pair(in_block, moving);
-    };
-    if (e.callback < 0) {
-      for (std::int32_t k = e.products_begin; k < e.products_end; ++k) {
-        const GroupClass::Product& p = c.products[idx(k)];
-        const auto a = sums(p.a), b = p.b == p.a ? a : sums(p.b);
-        sum += std::abs(value(p.constant, constants)) * (a.first * b.second + a.second * b.first);
+    std::fill_n(out, lanes, e.callback >= 0 ? kInfinity : 0);
+    for (std::int32_t k = e.products_begin; k < e.products_end && e.callback < 0; ++k) {
+      const GroupClass::Product& p = c.products[idx(k)];
+      add_up(p.a, c.equation_block[i], a);
+      if (p.b != p.a) add_up(p.b, c.equation_block[i], b);
+      const Sums& other = p.b == p.a ? a : b;
+      const double* const factor = sizes(p.constant);
+      for (std::size_t l = 0; l < lanes; ++l) {
+        out[l] += std::abs(factor[l]) * (a.in_block[l] * other.moving[l] + a.moving[l] * other.in_block[l]);
       }
     }
-    out[i * stride] = sum;
   }
 }
 

@@ -97,12 +97,12 @@ struct Program {
 // `group_class` in program form; `pattern` is Structure::pattern of the class.
 [[nodiscard]] Program compile(const GroupClass& group_class, Pattern pattern);
 
-// Coefficients of one instance: out[k * stride] for every coefficient k of the program.
-void bind_coefficients(const Program& program, std::span<const double> constants, double* out, std::size_t stride);
+// Coefficients of instances side by side. constants: of the group x lanes; out: coefficients of the program x lanes
+void bind_coefficients(const Program& program, const double* constants, double* out, std::size_t lanes);
 
-// Row-wise Lipschitz constants of the Jacobian of each irreducible block in the maximum norm, for one instance:
+// Row-wise Lipschitz constants of the Jacobian of each irreducible block in the maximum norm:
 // |J_i.(x) - J_i.(y)|_1 <= lipschitz_i |x - y|_inf, columns of the row's block only. Infinite for callback rows.
-// out[i * stride] for every equation i.
-void lipschitz(const GroupClass& group_class, std::span<const double> constants, double* out, std::size_t stride);
+// Of instances side by side, constants as above; out: equations x lanes; lanes: at most kMostLanes
+void lipschitz(const GroupClass& group_class, const double* constants, double* out, std::size_t lanes);
 
 }  // namespace assur

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 #include <utility>
 
 #include "index.hpp"
@@ -148,11 +149,9 @@ void Tile::bind(bool alike) {
     if (!pack.pivots || !pack.solver || has_worked(pack.solver->effort())) pack.solver.reset();
     pack.factored = false;
     pack.used = static_cast<std::int32_t>(variants_.size());
-    GroupSolver& solver = *layout_.solvers[idx(pack.group_class)];
-    for (int lane = 0; lane < lanes_; ++lane) {
-      const Variant& v = *variants_[idx(lane) < variants_.size() ? idx(lane) : 0];
-      solver.bind_lane(*v.system, structure_->groups[g], pack, lane);
-    }
+    layout_.solvers[idx(pack.group_class)]->bind(pack, [&](std::size_t lane) {
+      return std::tie(*variants_[lane < variants_.size() ? lane : 0]->system, structure_->groups[g]);
+    });
   }
   for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
     bind_programs(lane);
