@@ -20,6 +20,7 @@ constexpr double kNoLever = 1e-6;
 constexpr double kNoLength = 1e-12;  // length relative to the coordinates whose difference is the direction
 
 Number value_of(const System& s, Index form, std::span<const double> q) {
+  if (Tape::active() == nullptr) return form_value<double>(s, form, q);
   Number sum = 0;
   for (const Term& t : s.form(form)) sum += Number(s.constants[idx(t.constant)]) * Number(q[idx(t.coordinate)]);
   return sum;
@@ -127,6 +128,62 @@ void append_angles(const System& s, const Axes& axes, std::vector<double>& out) 
 
 bool turns(const System& s, const DriverInput& in) { return in.kind == Kind::frame && in.count > s.dimension; }
 
+std::string why_undefined(const Arms& a) {
+  const Number d = recorded::norm(a.d.at), e = recorded::norm(a.e.at), axis = recorded::norm(a.axis);
+  if (!(d > kNoLength * a.d.size)) return "its first direction has no length";
+  if (!(e > kNoLength * a.e.size)) return "its second direction has no length";
+  if (!(abs(axis - 1) <= kNoLever)) return "its axis is not a unit vector";
+  if (a.lever() > kNoLever * d * e) return "";
+  if (!(recorded::norm(recorded::cross(a.axis, a.d.at)) > kNoLever * d))
+    return "its axis is parallel to its first direction";
+  if (!(recorded::norm(recorded::cross(a.axis, a.e.at)) > kNoLever * e))
+    return "its axis is parallel to its second direction";
+  return "its directions are at right angles to each other, and its axis lies in their plane";
+}
+
+// True if the angle of a direction is the prescribed one.
+bool has_angle(const DriverInput& in, const Arms& a, std::span<const double> q, double slack) {
+  const double* const x = q.data() + in.first;
+  const double off = std::remainder(atan2(a.sine, a.cosine).value() - std::atan2(x[1], x[0]), 2 * std::numbers::pi);
+  const Number d = recorded::norm(a.d.at), e = recorded::norm(a.e.at);
+  return std::abs(off) <= slack * (1 + (a.d.size * e + d * a.e.size) / a.lever()).value();
+}
+
+// The law whose value differs most from the prescribed one, as mismatch(); empty: none does.
+std::optional<std::size_t> wrong_law(const System& s, const DriverInput& in, std::span<const double> q, double slack) {
+  const double* const x = q.data() + in.first;
+  if (in.kind == Kind::direction)
+    return has_angle(in, arms(s, in, q), q, slack) ? std::nullopt : std::optional(std::size_t{0});
+  if (in.kind == Kind::scalar) {
+    Number size = 0;
+    const double unit = s.unit(in.dimension), wanted = x[0] * unit,
+                 off = (scalar(s, in, q, size) * unit).value() - wanted;
+    const double rounding = 16 * kEps * unit;  // a coordinate may be 0 but for rounding
+    const bool is_right = std::abs(off) <= slack * (size.value() * unit + std::abs(wanted)) + rounding;
+    return is_right ? std::nullopt : std::optional(std::size_t{0});
+  }
+  const double unit = s.unit(1);
+  for (std::size_t k = 0; k < idx(s.dimension); ++k) {
+    const double has = (value_of(s, in.own[k], q) * unit).value(), wanted = x[k] * unit;
+    if (!(std::abs(has - wanted) <= slack * (unit + std::abs(has) + std::abs(wanted)))) return k;
+  }
+  if (!turns(s, in)) return {};
+  // Compares axes, because close to theta = pi / 2 the angles are badly determined.
+  const Axes own = own_axes(s, in, q), asked = wanted_axes(s, in, q);
+  double worst = 0;
+  for (int j = 0; j < 3; ++j) {
+    const double apart = recorded::norm(recorded::subtract(own.column[j], asked.column[j])).value();
+    if (!(apart <= worst)) worst = apart;
+  }
+  if (worst <= slack * own.slack.value()) return {};
+  const std::vector<double> off = difference(s, in, own_values(s, in, q), wanted_values(s, in, q));
+  std::size_t most = idx(s.dimension);
+  for (std::size_t k = most + 1; k < off.size(); ++k) {
+    if (std::abs(off[k]) > std::abs(off[most])) most = k;
+  }
+  return most;
+}
+
 }  // namespace
 
 bool is_angle(const System& s, const DriverInput& in, std::size_t law) {
@@ -187,56 +244,24 @@ void drive_by_values(const System& s, const std::vector<std::vector<double>>& va
 }
 
 std::string why_undefined(const System& s, const DriverInput& in, std::span<const double> q) {
-  if (in.kind != Kind::direction) return "";
-  const Arms a = arms(s, in, q);
-  const Number d = recorded::norm(a.d.at), e = recorded::norm(a.e.at), axis = recorded::norm(a.axis);
-  if (!(d > kNoLength * a.d.size)) return "its first direction has no length";
-  if (!(e > kNoLength * a.e.size)) return "its second direction has no length";
-  if (!(abs(axis - 1) <= kNoLever)) return "its axis is not a unit vector";
-  if (a.lever() > kNoLever * d * e) return "";
-  if (!(recorded::norm(recorded::cross(a.axis, a.d.at)) > kNoLever * d))
-    return "its axis is parallel to its first direction";
-  if (!(recorded::norm(recorded::cross(a.axis, a.e.at)) > kNoLever * e))
-    return "its axis is parallel to its second direction";
-  return "its directions are at right angles to each other, and its axis lies in their plane";
+  return in.kind == Kind::direction ? why_undefined(arms(s, in, q)) : "";
 }
 
 std::optional<Mismatch> mismatch(const System& s, const DriverInput& in, std::span<const double> q, double slack) {
-  const std::vector<double> has = own_values(s, in, q), wanted = wanted_values(s, in, q),
-                            off = difference(s, in, has, wanted);
+  const std::optional<std::size_t> wrong = wrong_law(s, in, q, slack);
+  if (!wrong) return {};
+  const double has = own_values(s, in, q)[*wrong], wanted = wanted_values(s, in, q)[*wrong];
   if (in.kind == Kind::scalar) {
-    Number size = 0;
-    (void)scalar(s, in, q, size);
-    const double rounding = 16 * kEps * s.unit(in.dimension);  // a coordinate may be 0 but for rounding
-    if (std::abs(off[0]) <= slack * (size.value() * s.unit(in.dimension) + std::abs(wanted[0])) + rounding) return {};
-    return Mismatch{in.must_not_vanish ? "distance" : "coordinate", has[0], wanted[0], in.dimension == 1 ? "m" : ""};
+    return Mismatch{in.must_not_vanish ? "distance" : "coordinate", has, wanted, in.dimension == 1 ? "m" : ""};
   }
-  if (in.kind == Kind::direction) {
-    const Arms a = arms(s, in, q);
-    const Number d = recorded::norm(a.d.at), e = recorded::norm(a.e.at);
-    if (std::abs(off[0]) <= slack * (1 + (a.d.size * e + d * a.e.size) / a.lever()).value()) return {};
-    return Mismatch{"angle", has[0], wanted[0], "rad"};
-  }
-  const auto part = [&](std::size_t k) {  // NOLINTNEXTLINE(clang-analyzer-core.CallAndMessage): k < has.size()
-    return Mismatch{pose_part(k, s.dimension), has[k], wanted[k], k < idx(s.dimension) ? "m" : "rad"};
-  };
-  for (std::size_t k = 0; k < idx(s.dimension); ++k) {
-    if (!(std::abs(off[k]) <= slack * (s.unit(1) + std::abs(has[k]) + std::abs(wanted[k])))) return part(k);
-  }
-  if (!turns(s, in)) return {};
-  // Compares axes, because close to theta = pi / 2 the angles are badly determined.
-  const Axes own = own_axes(s, in, q), asked = wanted_axes(s, in, q);
-  double worst = 0;
-  for (int j = 0; j < 3; ++j) {
-    const double apart = recorded::norm(recorded::subtract(own.column[j], asked.column[j])).value();
-    if (!(apart <= worst)) worst = apart;
-  }
-  if (worst <= slack * own.slack.value()) return {};
-  std::size_t most = idx(s.dimension);
-  for (std::size_t k = most + 1; k < off.size(); ++k) {
-    if (std::abs(off[k]) > std::abs(off[most])) most = k;
-  }
-  return part(most);
+  if (in.kind == Kind::direction) return Mismatch{"angle", has, wanted, "rad"};
+  return Mismatch{pose_part(*wrong, s.dimension), has, wanted, *wrong < idx(s.dimension) ? "m" : "rad"};
+}
+
+bool has_its_value(const System& s, const DriverInput& in, std::span<const double> q, double slack) {
+  if (in.kind != Kind::direction) return !wrong_law(s, in, q, slack);
+  const Arms a = arms(s, in, q);
+  return why_undefined(a).empty() && has_angle(in, a, q, slack);
 }
 
 }  // namespace assur

@@ -255,8 +255,8 @@ class ValueTable::Binder : public MemberBinder {
     for (const WalkedPart& p : table_.assembly_->parts) {
       for (const Index u : p.unknowns) q[idx(u)] = at(u);
     }
-    const auto is_wrong = [&](const DriverInput& in) { return mismatch(s, in, q).has_value(); };
-    if (!undefined_driver(s, q).empty() || std::any_of(s.inputs.begin(), s.inputs.end(), is_wrong)) return false;
+    const auto is_right = [&](const DriverInput& in) { return has_its_value(s, in, q); };
+    if (!std::all_of(s.inputs.begin(), s.inputs.end(), is_right)) return false;
     std::vector<double>& posture = lane.variant.posture;
     const bool rests = !table_.structure_->static_coordinates.empty();  // what they read is not solved again
     for (const Index c : near_) posture[idx(c)] = rests ? q[idx(c)] : std::round(q[idx(c)] / kGrain) * kGrain;
