@@ -27,6 +27,11 @@ Number value_of(const System& s, Index form, std::span<const double> q) {
 }
 
 Number size_of(const System& s, Index form, std::span<const double> q) {
+  if (Tape::active() == nullptr) {
+    double sum = 0;
+    for (const Term& t : s.form(form)) sum += std::abs(s.constants[idx(t.constant)] * q[idx(t.coordinate)]);
+    return sum;
+  }
   Number sum = 0;
   for (const Term& t : s.form(form)) sum += abs(Number(s.constants[idx(t.constant)]) * Number(q[idx(t.coordinate)]));
   return sum;
@@ -51,16 +56,18 @@ struct Arms {
   Direction d, e;
   Numbers axis;
   Number cosine, sine;  // times |d||e|
-
-  [[nodiscard]] Number lever() const { return hypot(cosine, sine, 0); }
+  Number d_length, e_length, lever;
 };
 
 Arms arms(const System& s, const DriverInput& in, std::span<const double> q) {
   const std::size_t dim = idx(s.dimension);
-  Arms a{direction(s, in, 0, q), direction(s, in, dim, q), {0, 0, 1}, 0, 0};
+  Arms a{direction(s, in, 0, q), direction(s, in, dim, q), {0, 0, 1}, 0, 0, 0, 0, 0};
   if (dim == 3) a.axis = direction(s, in, 2 * dim, q).at;
   a.cosine = recorded::dot(a.d.at, a.e.at);
   a.sine = recorded::dot(a.axis, recorded::cross(a.d.at, a.e.at));
+  a.d_length = recorded::norm(a.d.at);
+  a.e_length = recorded::norm(a.e.at);
+  a.lever = hypot(a.cosine, a.sine, 0);
   return a;
 }
 
@@ -129,11 +136,11 @@ void append_angles(const System& s, const Axes& axes, std::vector<double>& out) 
 bool turns(const System& s, const DriverInput& in) { return in.kind == Kind::frame && in.count > s.dimension; }
 
 std::string why_undefined(const Arms& a) {
-  const Number d = recorded::norm(a.d.at), e = recorded::norm(a.e.at), axis = recorded::norm(a.axis);
+  const Number &d = a.d_length, &e = a.e_length;
   if (!(d > kNoLength * a.d.size)) return "its first direction has no length";
   if (!(e > kNoLength * a.e.size)) return "its second direction has no length";
-  if (!(abs(axis - 1) <= kNoLever)) return "its axis is not a unit vector";
-  if (a.lever() > kNoLever * d * e) return "";
+  if (!(abs(recorded::norm(a.axis) - 1) <= kNoLever)) return "its axis is not a unit vector";
+  if (a.lever > kNoLever * d * e) return "";
   if (!(recorded::norm(recorded::cross(a.axis, a.d.at)) > kNoLever * d))
     return "its axis is parallel to its first direction";
   if (!(recorded::norm(recorded::cross(a.axis, a.e.at)) > kNoLever * e))
@@ -145,8 +152,7 @@ std::string why_undefined(const Arms& a) {
 bool has_angle(const DriverInput& in, const Arms& a, std::span<const double> q, double slack) {
   const double* const x = q.data() + in.first;
   const double off = std::remainder(atan2(a.sine, a.cosine).value() - std::atan2(x[1], x[0]), 2 * std::numbers::pi);
-  const Number d = recorded::norm(a.d.at), e = recorded::norm(a.e.at);
-  return std::abs(off) <= slack * (1 + (a.d.size * e + d * a.e.size) / a.lever()).value();
+  return std::abs(off) <= slack * (1 + (a.d.size * a.e_length + a.d_length * a.e.size) / a.lever).value();
 }
 
 // The law whose value differs most from the prescribed one, as mismatch(); empty: none does.
