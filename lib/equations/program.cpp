@@ -6,6 +6,7 @@
 #include <map>
 #include <tuple>
 
+#include "backends/with_lanes.hpp"
 #include "index.hpp"
 #include "numbers.hpp"
 
@@ -279,13 +280,16 @@ Program compile(const GroupClass& group_class, Pattern pattern) {
 }
 
 void bind_coefficients(const Program& p, const double* constants, double* out, std::size_t lanes) {
-  for (const Coefficient& k : p.coefficients) {
-    std::fill_n(out, lanes, k.literal);
-    for (const std::int32_t c : k.constant) {
-      for (std::size_t l = 0; c >= 0 && l < lanes; ++l) out[l] *= constants[idx(c) * lanes + l];
+  with_lanes(lanes, [&](auto w) {
+    for (const Coefficient& k : p.coefficients) {
+      double product[kMostLanes];
+      for (std::size_t l = 0; l < w; ++l) product[l] = k.literal;
+      for (const std::int32_t c : k.constant) {
+        for (std::size_t l = 0; c >= 0 && l < w; ++l) product[l] *= constants[idx(c) * w + l];
+      }
+      for (std::size_t l = 0; l < w; ++l) *out++ = product[l];
     }
-    out += lanes;
-  }
+  });
 }
 
 void lipschitz(const GroupClass& c, const double* constants, double* out, std::size_t lanes) {
@@ -299,34 +303,35 @@ void lipschitz(const GroupClass& c, const double* constants, double* out, std::s
   struct Sums {
     Row in_block, moving;
   };
-  const auto add_up = [&](std::int32_t f, std::int32_t block, Sums& to) {
-    to.in_block.fill(0);
-    to.moving.fill(0);
+  const auto add_up = [&](auto w, std::int32_t f, std::int32_t block, Sums& to) {
+    for (std::size_t l = 0; l < w; ++l) to.in_block[l] = to.moving[l] = 0;
     for (std::int32_t t = c.form_start[idx(f)]; t < c.form_start[idx(f) + 1]; ++t) {
       const GroupClass::Term& term = c.terms[idx(t)];
       const bool is_unknown = term.coordinate < c.n;
       if (term.coordinate < 0 || (!is_unknown && c.input_moves[idx(term.coordinate - c.n)] == 0)) continue;
       const bool is_in_block = is_unknown && c.unknown_block[idx(term.coordinate)] == block;
       const double* const a = sizes(term.constant);
-      for (std::size_t l = 0; l < lanes; ++l) to.moving[l] += std::abs(a[l]);
-      for (std::size_t l = 0; is_in_block && l < lanes; ++l) to.in_block[l] += std::abs(a[l]);
+      for (std::size_t l = 0; l < w; ++l) to.moving[l] += std::abs(a[l]);
+      for (std::size_t l = 0; is_in_block && l < w; ++l) to.in_block[l] += std::abs(a[l]);
     }
   };
-  Sums a, b;
-  for (std::size_t i = 0; i < c.equations.size(); ++i, out += lanes) {
-    const GroupClass::Equation& e = c.equations[i];
-    std::fill_n(out, lanes, e.callback >= 0 ? kInfinity : 0);
-    for (std::int32_t k = e.products_begin; k < e.products_end && e.callback < 0; ++k) {
-      const GroupClass::Product& p = c.products[idx(k)];
-      add_up(p.a, c.equation_block[i], a);
-      if (p.b != p.a) add_up(p.b, c.equation_block[i], b);
-      const Sums& other = p.b == p.a ? a : b;
-      const double* const factor = sizes(p.constant);
-      for (std::size_t l = 0; l < lanes; ++l) {
-        out[l] += std::abs(factor[l]) * (a.in_block[l] * other.moving[l] + a.moving[l] * other.in_block[l]);
+  with_lanes(lanes, [&](auto w) {
+    Sums a, b;
+    for (std::size_t i = 0; i < c.equations.size(); ++i, out += w) {
+      const GroupClass::Equation& e = c.equations[i];
+      std::fill_n(out, std::size_t{w}, e.callback >= 0 ? kInfinity : 0);
+      for (std::int32_t k = e.products_begin; k < e.products_end && e.callback < 0; ++k) {
+        const GroupClass::Product& p = c.products[idx(k)];
+        add_up(w, p.a, c.equation_block[i], a);
+        if (p.b != p.a) add_up(w, p.b, c.equation_block[i], b);
+        const Sums& other = p.b == p.a ? a : b;
+        const double* const factor = sizes(p.constant);
+        for (std::size_t l = 0; l < w; ++l) {
+          out[l] += std::abs(factor[l]) * (a.in_block[l] * other.moving[l] + a.moving[l] * other.in_block[l]);
+        }
       }
     }
-  }
+  });
 }
 
 }  // namespace assur

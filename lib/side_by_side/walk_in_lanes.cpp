@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <utility>
 
 #include "backends/lanes_order.hpp"
+#include "backends/with_lanes.hpp"
 #include "index.hpp"
 #include "program/walk_step.hpp"
 #include "structure/classes.hpp"
@@ -191,16 +193,19 @@ bool WalkInLanes::holds(std::size_t lane, Drivers& drivers) {
 }
 
 void WalkInLanes::run(Part& part, bool is_first) {
-  const auto copy = [this](const LaneArray& from, std::size_t row, LaneArray& to, std::size_t to_row) {
-    std::copy_n(from.data() + row * w_, w_, to.data() + to_row * w_);
+  const auto gather = [this](const LaneArray& rows, const std::vector<std::int32_t>& coordinates, LaneArray& into) {
+    with_lanes(w_, [&](auto w) {
+      double* to = into.data();
+      for (const std::int32_t c : coordinates) {
+        std::memcpy(to, rows.data() + idx(c) * w, w * sizeof(double));
+        to += w;
+      }
+    });
   };
-  for (std::size_t i = 0; i < part.inputs.size(); ++i) {
-    const std::size_t c = idx(part.inputs[i]);
-    copy(to_, c, inputs_, i);
-    copy(from_, c, from_inputs_, i);
-    copy(strays_, c, stray_inputs_, i);
-  }
-  for (std::size_t j = 0; j < part.unknowns.size(); ++j) copy(from_, idx(part.unknowns[j]), unknowns_, j);
+  gather(to_, part.inputs, inputs_);
+  gather(from_, part.inputs, from_inputs_);
+  gather(strays_, part.inputs, stray_inputs_);
+  gather(from_, part.unknowns, unknowns_);
   std::array<double*, kMemories> memory;
   const auto give = [&](Memory m, LaneArray& at) { memory[static_cast<std::size_t>(m)] = at.data(); };
   give(Memory::coefficients, part.coefficients);
@@ -215,10 +220,14 @@ void WalkInLanes::run(Part& part, bool is_first) {
   give(WalkSlots::stray, stray_);
   give(WalkSlots::used, use_);
   steps_[part.by].executor->run(memory);
-  for (std::size_t j = 0; j < part.unknowns.size(); ++j) {
-    copy(solved_, j, to_, idx(part.unknowns[j]));
-    copy(stray_, 0, strays_, idx(part.unknowns[j]));
-  }
+  with_lanes(w_, [&](auto w) {
+    const double* from = solved_.data();
+    for (const std::int32_t u : part.unknowns) {
+      std::memcpy(to_.data() + idx(u) * w, from, w * sizeof(double));
+      std::memcpy(strays_.data() + idx(u) * w, stray_.data(), w * sizeof(double));
+      from += w;
+    }
+  });
   for (std::size_t l = 0; l < w_; ++l) used_[l] = use_[l] <= used_[l] ? used_[l] : use_[l];
   if (is_first) std::copy_n(open_.begin(), part.open.size(), part.open.begin());
 }
