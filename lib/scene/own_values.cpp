@@ -1,6 +1,7 @@
 #include "scene/own_values.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -19,66 +20,87 @@ using Kind = DriverInput::Kind;
 constexpr double kNoLever = 1e-6;
 constexpr double kNoLength = 1e-12;  // length relative to the coordinates whose difference is the direction
 
-Number value_of(const System& s, Index form, std::span<const double> q) {
-  if (Tape::active() == nullptr) return form_value<double>(s, form, q);
-  Number sum = 0;
-  for (const Term& t : s.form(form)) sum += Number(s.constants[idx(t.constant)]) * Number(q[idx(t.coordinate)]);
+// N: a Number, or a double where no tape records
+template <class N>
+using Three = std::array<N, 3>;
+template <class N>
+N dot(const Three<N>& a, const Three<N>& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+template <class N>
+Three<N> cross(const Three<N>& a, const Three<N>& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+template <class N>
+N norm(const Three<N>& a) {
+  using std::hypot;
+  return hypot(a[0], a[1], a[2]);
+}
+double plain(double x) { return x; }
+double plain(const Number& x) { return x.value(); }
+
+template <class N>
+N value_of(const System& s, Index form, std::span<const double> q) {
+  N sum = 0;
+  for (const Term& t : s.form(form)) sum += N(s.constants[idx(t.constant)]) * N(q[idx(t.coordinate)]);
   return sum;
 }
 
-Number size_of(const System& s, Index form, std::span<const double> q) {
-  if (Tape::active() == nullptr) {
-    double sum = 0;
-    for (const Term& t : s.form(form)) sum += std::abs(s.constants[idx(t.constant)] * q[idx(t.coordinate)]);
-    return sum;
-  }
-  Number sum = 0;
-  for (const Term& t : s.form(form)) sum += abs(Number(s.constants[idx(t.constant)]) * Number(q[idx(t.coordinate)]));
+template <class N>
+N size_of(const System& s, Index form, std::span<const double> q) {
+  using std::abs;
+  N sum = 0;
+  for (const Term& t : s.form(form)) sum += abs(N(s.constants[idx(t.constant)]) * N(q[idx(t.coordinate)]));
   return sum;
 }
 
+template <class N>
 struct Direction {
-  Numbers at{};
-  Number size = 0;  // of its terms
+  Three<N> at{};
+  N size = 0;  // of its terms
 };
 
-Direction direction(const System& s, const DriverInput& in, std::size_t first, std::span<const double> q) {
-  Direction out;
+template <class N = Number>
+Direction<N> direction(const System& s, const DriverInput& in, std::size_t first, std::span<const double> q) {
+  Direction<N> out;
   for (std::size_t k = 0; k < idx(s.dimension); ++k) {
     const Index f = in.own[first + k];
-    out.at[k] = value_of(s, f, q);
-    out.size = std::max(out.size, size_of(s, f, q));
+    out.at[k] = value_of<N>(s, f, q);
+    out.size = std::max(out.size, size_of<N>(s, f, q));
   }
   return out;
 }
 
+template <class N = Number>
 struct Arms {
-  Direction d, e;
-  Numbers axis;
-  Number cosine, sine;  // times |d||e|
-  Number d_length, e_length, lever;
+  Direction<N> d, e;
+  Three<N> axis;
+  N cosine, sine;  // times |d||e|
+  N d_length, e_length, lever;
 };
 
-Arms arms(const System& s, const DriverInput& in, std::span<const double> q) {
+template <class N = Number>
+Arms<N> arms(const System& s, const DriverInput& in, std::span<const double> q) {
+  using std::hypot;
   const std::size_t dim = idx(s.dimension);
-  Arms a{direction(s, in, 0, q), direction(s, in, dim, q), {0, 0, 1}, 0, 0, 0, 0, 0};
-  if (dim == 3) a.axis = direction(s, in, 2 * dim, q).at;
-  a.cosine = recorded::dot(a.d.at, a.e.at);
-  a.sine = recorded::dot(a.axis, recorded::cross(a.d.at, a.e.at));
-  a.d_length = recorded::norm(a.d.at);
-  a.e_length = recorded::norm(a.e.at);
-  a.lever = hypot(a.cosine, a.sine, 0);
+  Arms<N> a{direction<N>(s, in, 0, q), direction<N>(s, in, dim, q), {0, 0, 1}, 0, 0, 0, 0, 0};
+  if (dim == 3) a.axis = direction<N>(s, in, 2 * dim, q).at;
+  a.cosine = dot(a.d.at, a.e.at);
+  a.sine = dot(a.axis, cross(a.d.at, a.e.at));
+  a.d_length = norm(a.d.at);
+  a.e_length = norm(a.e.at);
+  a.lever = hypot(a.cosine, a.sine, N(0));
   return a;
 }
 
 Number scalar(const System& s, const DriverInput& in, std::span<const double> q, Number& size) {
   if (in.own.size() > 1) {
-    const Direction d = direction(s, in, 0, q);
+    const Direction<Number> d = direction(s, in, 0, q);
     size = d.size;
     return recorded::norm(d.at);
   }
-  size = size_of(s, in.own[0], q);
-  return value_of(s, in.own[0], q);
+  size = size_of<Number>(s, in.own[0], q);
+  return value_of<Number>(s, in.own[0], q);
 }
 
 // Columns of the body's frame, with their uncertainty.
@@ -92,7 +114,7 @@ Axes own_axes(const System& s, const DriverInput& in, std::span<const double> q)
   Axes out;
   Numbers a[3];
   for (std::size_t j = 0; j < count; ++j) {
-    const Direction d = direction(s, in, (j + 1) * dim, q);
+    const Direction<Number> d = direction(s, in, (j + 1) * dim, q);
     const Number length = recorded::norm(d.at);
     a[j] = recorded::scale(1 / length, d.at);
     out.slack += d.size / length;
@@ -135,24 +157,32 @@ void append_angles(const System& s, const Axes& axes, std::vector<double>& out) 
 
 bool turns(const System& s, const DriverInput& in) { return in.kind == Kind::frame && in.count > s.dimension; }
 
-std::string why_undefined(const Arms& a) {
-  const Number &d = a.d_length, &e = a.e_length;
+template <class N>
+std::string why_undefined(const Arms<N>& a) {
+  using std::abs;
+  const N &d = a.d_length, &e = a.e_length;
   if (!(d > kNoLength * a.d.size)) return "its first direction has no length";
   if (!(e > kNoLength * a.e.size)) return "its second direction has no length";
-  if (!(abs(recorded::norm(a.axis) - 1) <= kNoLever)) return "its axis is not a unit vector";
+  if (!(abs(norm(a.axis) - 1) <= kNoLever)) return "its axis is not a unit vector";
   if (a.lever > kNoLever * d * e) return "";
-  if (!(recorded::norm(recorded::cross(a.axis, a.d.at)) > kNoLever * d))
-    return "its axis is parallel to its first direction";
-  if (!(recorded::norm(recorded::cross(a.axis, a.e.at)) > kNoLever * e))
-    return "its axis is parallel to its second direction";
+  if (!(norm(cross(a.axis, a.d.at)) > kNoLever * d)) return "its axis is parallel to its first direction";
+  if (!(norm(cross(a.axis, a.e.at)) > kNoLever * e)) return "its axis is parallel to its second direction";
   return "its directions are at right angles to each other, and its axis lies in their plane";
 }
 
 // True if the angle of a direction is the prescribed one.
-bool has_angle(const DriverInput& in, const Arms& a, std::span<const double> q, double slack) {
+template <class N>
+bool has_angle(const DriverInput& in, const Arms<N>& a, std::span<const double> q, double slack) {
+  using std::atan2;
   const double* const x = q.data() + in.first;
-  const double off = std::remainder(atan2(a.sine, a.cosine).value() - std::atan2(x[1], x[0]), 2 * std::numbers::pi);
-  return std::abs(off) <= slack * (1 + (a.d.size * a.e_length + a.d_length * a.e.size) / a.lever).value();
+  const double off = std::remainder(plain(atan2(a.sine, a.cosine)) - std::atan2(x[1], x[0]), 2 * std::numbers::pi);
+  return std::abs(off) <= slack * plain(1 + (a.d.size * a.e_length + a.d_length * a.e.size) / a.lever);
+}
+
+template <class N>
+bool has_its_angle(const System& s, const DriverInput& in, std::span<const double> q, double slack) {
+  const Arms<N> a = arms<N>(s, in, q);
+  return why_undefined(a).empty() && has_angle(in, a, q, slack);
 }
 
 // The law whose value differs most from the prescribed one, as mismatch(); empty: none does.
@@ -170,7 +200,7 @@ std::optional<std::size_t> wrong_law(const System& s, const DriverInput& in, std
   }
   const double unit = s.unit(1);
   for (std::size_t k = 0; k < idx(s.dimension); ++k) {
-    const double has = (value_of(s, in.own[k], q) * unit).value(), wanted = x[k] * unit;
+    const double has = (value_of<Number>(s, in.own[k], q) * unit).value(), wanted = x[k] * unit;
     if (!(std::abs(has - wanted) <= slack * (unit + std::abs(has) + std::abs(wanted)))) return k;
   }
   if (!turns(s, in)) return {};
@@ -200,11 +230,11 @@ std::vector<double> own_values(const System& s, const DriverInput& in, std::span
   Number size = 0;
   if (in.kind == Kind::scalar) return {(scalar(s, in, q, size) * s.unit(in.dimension)).value()};
   if (in.kind == Kind::direction) {
-    const Arms a = arms(s, in, q);
+    const Arms<Number> a = arms(s, in, q);
     return {atan2(a.sine, a.cosine).value()};
   }
   std::vector<double> out;
-  for (Index k = 0; k < s.dimension; ++k) out.push_back((value_of(s, in.own[idx(k)], q) * s.unit(1)).value());
+  for (Index k = 0; k < s.dimension; ++k) out.push_back((value_of<Number>(s, in.own[idx(k)], q) * s.unit(1)).value());
   if (turns(s, in)) append_angles(s, own_axes(s, in, q), out);
   return out;
 }
@@ -266,8 +296,7 @@ std::optional<Mismatch> mismatch(const System& s, const DriverInput& in, std::sp
 
 bool has_its_value(const System& s, const DriverInput& in, std::span<const double> q, double slack) {
   if (in.kind != Kind::direction) return !wrong_law(s, in, q, slack);
-  const Arms a = arms(s, in, q);
-  return why_undefined(a).empty() && has_angle(in, a, q, slack);
+  return Tape::active() == nullptr ? has_its_angle<double>(s, in, q, slack) : has_its_angle<Number>(s, in, q, slack);
 }
 
 }  // namespace assur
