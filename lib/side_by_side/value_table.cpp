@@ -84,7 +84,7 @@ class ValueTable::Binder : public MemberBinder {
     for (const Group& g : structure.groups) near_.insert(near_.end(), g.unknowns.begin(), g.unknowns.end());
     lanes_.reserve(lanes);
     for (std::size_t l = 0; l < lanes; ++l) lanes_.emplace_back(table);
-    find_laws(lanes_[0]);
+    find_way(lanes_[0]);
     from_guess_ = near_;
     find_frames(structure);
     find_static_equations(structure);
@@ -108,7 +108,7 @@ class ValueTable::Binder : public MemberBinder {
       variants[l] = nullptr;
       if (!replay_.holds(l) || !table_.has_constants(members[l])) continue;
       lanes_[l].set(replay_, l, *this);
-      if (table_.recipe_->has_drivers()) find_laws(lanes_[l]);
+      if (table_.recipe_->has_drivers()) find_way(lanes_[l]);
       variants[l] = &lanes_[l].variant;
       if (!starts_as_written(lanes_[l])) open.push_back(l);
     }
@@ -123,8 +123,8 @@ class ValueTable::Binder : public MemberBinder {
     Lane& lane = lanes_[i];
     std::vector<double> q;
     if (!place_as_written(i, q) || !close(lane.open->system, parts, q)) return false;
-    const AtLaws& laws = at_laws(lane);
-    if (laws.move && walk(lane.open->system, parts, laws.way, q).end != Walked::End::arrived) return false;
+    const DriversWay& drivers = way_of(lane);
+    if (drivers.moves && walk(lane.open->system, parts, drivers.way, q).end != Walked::End::arrived) return false;
     return arrive(lane, [&](Index c) { return q[idx(c)]; });
   }
 
@@ -149,10 +149,10 @@ class ValueTable::Binder : public MemberBinder {
     Recipe::Target target;
   };
 
-  // Where drivers go from the posture as written.
-  struct AtLaws {
-    bool exist = true;  // false: a law has no value at the start
-    bool move = false;  // the drivers do
+  // The way of the drivers from the posture as written to their laws.
+  struct DriversWay {
+    bool exists = true;  // false: a law has no value at the start
+    bool moves = false;  // the drivers do
     Way way;
     std::vector<double> begin, end;  // coordinates, of which those of inputs are set
   };
@@ -184,25 +184,25 @@ class ValueTable::Binder : public MemberBinder {
     Recipe::Target target;
     Variant variant;
     std::optional<OneMember> open;
-    AtLaws laws;                  // see at_laws()
+    DriversWay way;               // see way_of()
     std::vector<double> at_laws;  // the guess of `open`, with the drivers at their laws
   };
 
-  // The inputs, and their way, are those of all members unless the recipe has numbers of drivers.
-  [[nodiscard]] const AtLaws& at_laws(const Lane& lane) const {
-    return table_.recipe_->has_drivers() ? lane.laws : lanes_[0].laws;
+  // It is that of all members unless the recipe has numbers of drivers.
+  [[nodiscard]] const DriversWay& way_of(const Lane& lane) const {
+    return table_.recipe_->has_drivers() ? lane.way : lanes_[0].way;
   }
-  void find_laws(Lane& lane) const {
+  void find_way(Lane& lane) const {
     const System& s = *lane.system;
     const double time = table_.first_->time.start;
-    AtLaws& to = lane.laws;
+    DriversWay& to = lane.way;
     to.end = s.guess;
-    to.exist = drive(s, time, to.end.data(), nullptr, nullptr).ok();
-    if (!to.exist) return;
+    to.exists = drive(s, time, to.end.data(), nullptr, nullptr).ok();
+    if (!to.exists) return;
     to.way = way_to_laws(s, to.end, time);
-    to.move = is_moving(s, to.way);
+    to.moves = is_moving(s, to.way);
     to.begin = to.end;
-    if (to.move) drive_by_values(s, to.way.from, to.begin);
+    if (to.moves) drive_by_values(s, to.way.from, to.begin);
   }
 
   // Puts the known coordinates where they are with these inputs.
@@ -237,12 +237,12 @@ class ValueTable::Binder : public MemberBinder {
     Lane& lane = lanes_[i];
     lane.open->target.set(replay_, i, table_.recipe_->wanted().size());
     const System& s = lane.open->system;
-    const AtLaws& laws = at_laws(lane);
-    if (!laws.exist) return false;
+    const DriversWay& drivers = way_of(lane);
+    if (!drivers.exists) return false;
     lane.at_laws = s.guess;
-    place(s, laws.end, lane.at_laws);
+    place(s, drivers.end, lane.at_laws);
     q = lane.at_laws;
-    if (laws.move) place(s, laws.begin, q);
+    if (drivers.moves) place(s, drivers.begin, q);
     return true;
   }
 
@@ -272,7 +272,7 @@ class ValueTable::Binder : public MemberBinder {
               std::vector<double>& strays) override {
       const Lane& l = binder_.lanes_[lane];
       const System& s = l.open->system;
-      const Way& way = binder_.at_laws(l).way;
+      const Way& way = binder_.way_of(l).way;
       set_strays(s, way, share - before, strays);
       if (share == 1) {
         q = l.at_laws;
@@ -286,7 +286,7 @@ class ValueTable::Binder : public MemberBinder {
     }
     [[nodiscard]] bool hold(std::size_t lane, const std::vector<double>& q) override {
       const Lane& l = binder_.lanes_[lane];
-      return drivers_hold(l.open->system, binder_.at_laws(l).way, q);
+      return drivers_hold(l.open->system, binder_.way_of(l).way, q);
     }
 
    private:
@@ -296,7 +296,7 @@ class ValueTable::Binder : public MemberBinder {
   // Assembles those members side by side that can be; returns the others.
   std::vector<std::size_t> walk_together(const std::vector<std::size_t>& lanes) {
     for (const std::size_t l : lanes) {
-      if (place_as_written(l, drawing_)) in_lanes_->set(l, lanes_[l].open->system, drawing_, at_laws(lanes_[l]).move);
+      if (place_as_written(l, drawing_)) in_lanes_->set(l, lanes_[l].open->system, drawing_, way_of(lanes_[l]).moves);
     }
     Drivers drivers(*this);
     in_lanes_->run(drivers);
@@ -324,10 +324,10 @@ class ValueTable::Binder : public MemberBinder {
   [[nodiscard]] bool starts_as_written(Lane& lane) const {
     Variant& v = lane.variant;
     const System& s = *v.system;
-    const AtLaws& laws = at_laws(lane);
-    if (!laws.exist) return false;
-    place(s, laws.end, v.posture);
-    if (laws.move) return false;
+    const DriversWay& drivers = way_of(lane);
+    if (!drivers.exists) return false;
+    place(s, drivers.end, v.posture);
+    if (drivers.moves) return false;
     const auto holds = [&](Index e, double within) {
       return std::abs(residual<double>(s, e, v.posture)) <= within * residual_scale(s, e, v.posture);
     };
