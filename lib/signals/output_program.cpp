@@ -159,10 +159,10 @@ bool OutputProgram::renew(const System& s) {
     for (const Term& t : s.form(form)) (to++)->factor = s.constants[idx(t.constant)] * unit;
   };
   for (std::size_t i = 0; i < sums_.size(); ++i) {
-    renew_terms(of_sums_[i].form, of_sums_[i].unit, &sum_terms_[idx(sums_[i].begin)]);
+    renew_terms(of_sums_[i].form, of_sums_[i].unit, sum_terms_.data() + sums_[i].begin);
   }
   for (std::size_t f = 0; f < of_forms_.size(); ++f) {
-    if (of_forms_[f] >= 0) renew_terms(of_forms_[f], 1, &terms_[idx(form_start_[f])]);
+    if (of_forms_[f] >= 0) renew_terms(of_forms_[f], 1, terms_.data() + form_start_[f]);
   }
   return std::all_of(parts_.begin(), parts_.end(), [this](const Part& p) { return renew_arm(p); });
 }
@@ -461,7 +461,7 @@ bool OutputProgram::renew_arm(const Part& part) {
   if (part.arm < 0 || part.arm == part.forms_begin) return true;
   if (!find_arm(part)) return false;
   for (std::size_t i = 0; i < 2; ++i) {
-    TermAt* const to = &terms_[idx(form_start_[idx(part.arm) + i])];
+    TermAt* const to = terms_.data() + form_start_[idx(part.arm) + i];
     const std::vector<TermAt>& terms = arm_terms_[i];
     const auto like = [](const TermAt& a, const TermAt& b) { return a.is_like(b); };
     const TermAt* const end = terms_.data() + form_start_[idx(part.arm) + i + 1];

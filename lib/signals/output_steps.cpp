@@ -50,18 +50,21 @@ void OutputSteps::bind(std::size_t used, News news) {
                             [this](const OutputProgram& p) { return p.same_shape(outputs_[0]); });
     compared_ = used;
   }
-  if (news == News::none && used == std::exchange(used_, used)) return;
-  used_ = used;
+  const bool are_same = std::exchange(used_, used) == used && news == News::none;
   if (!is_alike_) return;
+  if (changed_ >= kWorthCode && code_) {
+    if (auto by_code = code_->of(outputs_[0].change_step(), static_cast<int>(outputs_.size()))) {
+      changes_ = std::move(by_code);
+    }
+    code_ = nullptr;
+  }
+  if (are_same) return;
   const std::size_t w = outputs_.size();
   numbers_.resize(outputs_[0].numbers() * w);
   for (std::size_t lane = 0; lane < w; ++lane) {
     double* to = numbers_.data() + lane;
     outputs_[lane < used ? lane : 0].each_number([&](double number) { *to = number, to += w; });
   }
-  if (changed_ < kWorthCode || !code_) return;
-  if (auto by_code = code_->of(outputs_[0].change_step(), static_cast<int>(w))) changes_ = std::move(by_code);
-  code_ = nullptr;
 }
 
 // The programs write to none of these.
