@@ -3,33 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <type_traits>
 
+#include "backends/with_lanes.hpp"
 #include "numbers.hpp"
 
 namespace assur {
 namespace {
-
-// Calls visit(lanes) with the number of lanes as a constant for the usual numbers, so that inner loops vectorise.
-template <std::size_t W>
-using Constant = std::integral_constant<std::size_t, W>;
-template <typename Visit>
-void with_lanes(std::size_t lanes, const Visit& visit) {
-  switch (lanes) {
-    case 1:
-      return visit(Constant<1>{});
-    case 2:
-      return visit(Constant<2>{});
-    case 4:
-      return visit(Constant<4>{});
-    case 8:
-      return visit(Constant<8>{});
-    case 16:
-      return visit(Constant<16>{});
-    default:
-      return visit(lanes);
-  }
-}
 
 // Calls entry(k, to, from) for each nonzero k: row `to`, factor of unknown `from`.
 template <typename Entry>

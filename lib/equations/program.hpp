@@ -14,14 +14,14 @@ namespace assur {
 }
 [[nodiscard]] inline std::int32_t one_coefficient(const GroupClass& c) { return zero_coefficient(c) + 1; }
 
-// Coefficients of one instance: out[k * stride] for every coefficient k of the class.
-void bind_coefficients(const GroupClass& group_class, std::span<const double> constants, double* out,
-                       std::size_t stride);
+// Coefficients of instances side by side. constants: of the group x lanes; out: coefficients of the class x lanes
+void bind_coefficients(const GroupClass& group_class, const double* constants, double* out, std::size_t lanes);
 
-// Row-wise Lipschitz constants of the Jacobian of each irreducible block in the maximum norm, for one instance:
+// Row-wise Lipschitz constants of the Jacobian of each irreducible block in the maximum norm:
 // |J_i.(x) - J_i.(y)|_1 <= lipschitz_i |x - y|_inf, columns of the row's block only. Row i is
 // sum_j,l |d2 Phi_i / dq_j dq_l| over the block's unknowns j and all moving coordinates l. Infinite for rows of
-// callbacks and gears. out[i * stride] for every equation i.
-void lipschitz(const GroupClass& group_class, std::span<const double> constants, double* out, std::size_t stride);
+// callbacks and gears. Of instances side by side; coefficients: as bound; out: equations x lanes; lanes: at most
+// kMostLanes
+void lipschitz(const GroupClass& group_class, const double* coefficients, double* out, std::size_t lanes);
 
 }  // namespace assur

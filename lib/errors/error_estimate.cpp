@@ -117,7 +117,10 @@ void ErrorEstimate::restart(std::span<const System* const> systems, std::span<co
   for (std::size_t i = 0; i < used_; ++i) {
     Mechanism& m = mechanisms_[i];
     m.unit.clear();
-    for (const int dimension : dimension_) m.unit.push_back(systems[i]->unit(dimension));
+    for (std::size_t o = 0; o < dimension_.size(); ++o) {
+      const bool is_like_last = o > 0 && dimension_[o] == dimension_[o - 1];
+      m.unit.push_back(is_like_last ? m.unit.back() : systems[i]->unit(dimension_[o]));
+    }
     m.scale = {1, 0, 0};
     m.largest.assign(m.sizes.size(), {});
     m.now = {};

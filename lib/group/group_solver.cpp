@@ -58,14 +58,6 @@ void GroupSolver::size(Pack& pack) const {
   pack.kept = {0, 0, 0, pack.own_use, pack.anchor, pack.anchor_rates, pack.anchor_time, pack.omega};
 }
 
-void GroupSolver::bind_lane(const System& system, const Group& group, Pack& pack, int lane) const {
-  std::vector<double> constants;
-  constants.reserve(group.constants.size());
-  for (const std::int32_t k : group.constants) constants.push_back(system.constants[idx(k)]);
-  bind_coefficients(work_.group_class, constants, pack.coefficients.data() + lane, idx(work_.lanes));
-  lipschitz(work_.group_class, constants, pack.lipschitz.data() + lane, idx(work_.lanes));
-}
-
 Status GroupSolver::solve(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters,
                           StepErrors& errors) {
   if (attempt.branch == Attempt::Branch::limit) return take(*attempt.limit, pack, state, counters, errors);

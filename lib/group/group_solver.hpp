@@ -44,8 +44,19 @@ class GroupSolver {
 
   // Allocates the arrays of a pack of this class.
   void size(Pack& pack) const;
-  // Assigns `group`, with the constants of `system`, to one lane of the pack.
-  void bind_lane(const System& system, const Group& group, Pack& pack, int lane) const;
+  // Gives the lanes of the pack their groups; of(lane): a pair of the system and the group.
+  template <class Of>
+  void bind(Pack& pack, const Of& of) {
+    const auto w = static_cast<std::size_t>(work_.lanes);
+    for (std::size_t lane = 0; lane < w; ++lane) {
+      const auto& [system, group] = of(lane);
+      constants_.resize(group.constants.size() * w);
+      double* to = constants_.data() + lane;
+      for (const std::int32_t k : group.constants) *to = system.constants[static_cast<std::size_t>(k)], to += w;
+    }
+    bind_coefficients(work_.group_class, constants_.data(), pack.coefficients.data(), w);
+    lipschitz(work_.group_class, pack.coefficients.data(), pack.lipschitz.data(), w);
+  }
 
   // Solves the pack at one time. state[d]: d-th derivative of all coordinates; the unknowns of the pack hold the
   // prediction and become the solution. If it fails, Status::where is the group, and the unknowns are unspecified.
@@ -119,6 +130,7 @@ class GroupSolver {
   std::vector<std::uint8_t> is_kept_;      // W: lanes whose results are kept_
   LaneArray predicted_;                    // unknowns before the step, n x W
   LaneArray omega_, most_;                 // W: see solve_in_lanes() and class_step()
+  std::vector<double> constants_;          // of the groups of a pack, x W
 };
 
 }  // namespace assur

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <tuple>
 
 #include "index.hpp"
 #include "structure/at_rest.hpp"
@@ -108,7 +109,7 @@ Layout lay_out(const Prepared& prepared) {
     }
   }
   for (Pack& pack : out.packs) {
-    const GroupSolver& solver = *out.solvers[idx(pack.group_class)];
+    GroupSolver& solver = *out.solvers[idx(pack.group_class)];
     const std::size_t w = idx(solver.lanes()), count = idx(solver.group_class().inputs);
     pack.inputs.resize(count * w);
     for (std::size_t lane = 0; lane < w; ++lane) {
@@ -117,10 +118,9 @@ Layout lay_out(const Prepared& prepared) {
     }
     pack.input_rows = input_rows(pack.inputs, count, w);
     solver.size(pack);
-    for (std::size_t lane = 0; lane < w; ++lane) {
-      const Group& g = structure.groups[idx(pack.groups[lane < pack.groups.size() ? lane : 0])];
-      solver.bind_lane(system, g, pack, static_cast<int>(lane));
-    }
+    solver.bind(pack, [&](std::size_t lane) {
+      return std::tie(system, structure.groups[idx(pack.groups[lane < pack.groups.size() ? lane : 0])]);
+    });
   }
   out.limits.resize(out.packs.size());
   return out;

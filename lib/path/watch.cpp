@@ -18,7 +18,7 @@ Watch::Watch(const System& system, const Structure& structure, std::span<const s
   std::vector<double> constants;
   for (const std::int32_t k : structure.watch.constants)
     constants.push_back(system.constants[static_cast<std::size_t>(k)]);
-  bind_coefficients(class_, constants, coefficients_.data(), 1);
+  bind_coefficients(class_, constants.data(), coefficients_.data(), 1);
   for (const std::int32_t c : structure.watch.inputs) addresses_.push_back(address[static_cast<std::size_t>(c)]);
 }
 

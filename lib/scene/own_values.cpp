@@ -1,6 +1,7 @@
 #include "scene/own_values.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -19,58 +20,87 @@ using Kind = DriverInput::Kind;
 constexpr double kNoLever = 1e-6;
 constexpr double kNoLength = 1e-12;  // length relative to the coordinates whose difference is the direction
 
-Number value_of(const System& s, Index form, std::span<const double> q) {
-  Number sum = 0;
-  for (const Term& t : s.form(form)) sum += Number(s.constants[idx(t.constant)]) * Number(q[idx(t.coordinate)]);
+// N: a Number, or a double where no tape records
+template <class N>
+using Three = std::array<N, 3>;
+template <class N>
+N dot(const Three<N>& a, const Three<N>& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+template <class N>
+Three<N> cross(const Three<N>& a, const Three<N>& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+template <class N>
+N norm(const Three<N>& a) {
+  using std::hypot;
+  return hypot(a[0], a[1], a[2]);
+}
+double plain(double x) { return x; }
+double plain(const Number& x) { return x.value(); }
+
+template <class N>
+N value_of(const System& s, Index form, std::span<const double> q) {
+  N sum = 0;
+  for (const Term& t : s.form(form)) sum += N(s.constants[idx(t.constant)]) * N(q[idx(t.coordinate)]);
   return sum;
 }
 
-Number size_of(const System& s, Index form, std::span<const double> q) {
-  Number sum = 0;
-  for (const Term& t : s.form(form)) sum += abs(Number(s.constants[idx(t.constant)]) * Number(q[idx(t.coordinate)]));
+template <class N>
+N size_of(const System& s, Index form, std::span<const double> q) {
+  using std::abs;
+  N sum = 0;
+  for (const Term& t : s.form(form)) sum += abs(N(s.constants[idx(t.constant)]) * N(q[idx(t.coordinate)]));
   return sum;
 }
 
+template <class N>
 struct Direction {
-  Numbers at{};
-  Number size = 0;  // of its terms
+  Three<N> at{};
+  N size = 0;  // of its terms
 };
 
-Direction direction(const System& s, const DriverInput& in, std::size_t first, std::span<const double> q) {
-  Direction out;
+template <class N = Number>
+Direction<N> direction(const System& s, const DriverInput& in, std::size_t first, std::span<const double> q) {
+  Direction<N> out;
   for (std::size_t k = 0; k < idx(s.dimension); ++k) {
     const Index f = in.own[first + k];
-    out.at[k] = value_of(s, f, q);
-    out.size = std::max(out.size, size_of(s, f, q));
+    out.at[k] = value_of<N>(s, f, q);
+    out.size = std::max(out.size, size_of<N>(s, f, q));
   }
   return out;
 }
 
+template <class N = Number>
 struct Arms {
-  Direction d, e;
-  Numbers axis;
-  Number cosine, sine;  // times |d||e|
-
-  [[nodiscard]] Number lever() const { return hypot(cosine, sine, 0); }
+  Direction<N> d, e;
+  Three<N> axis;
+  N cosine, sine;  // times |d||e|
+  N d_length, e_length, lever;
 };
 
-Arms arms(const System& s, const DriverInput& in, std::span<const double> q) {
+template <class N = Number>
+Arms<N> arms(const System& s, const DriverInput& in, std::span<const double> q) {
+  using std::hypot;
   const std::size_t dim = idx(s.dimension);
-  Arms a{direction(s, in, 0, q), direction(s, in, dim, q), {0, 0, 1}, 0, 0};
-  if (dim == 3) a.axis = direction(s, in, 2 * dim, q).at;
-  a.cosine = recorded::dot(a.d.at, a.e.at);
-  a.sine = recorded::dot(a.axis, recorded::cross(a.d.at, a.e.at));
+  Arms<N> a{direction<N>(s, in, 0, q), direction<N>(s, in, dim, q), {0, 0, 1}, 0, 0, 0, 0, 0};
+  if (dim == 3) a.axis = direction<N>(s, in, 2 * dim, q).at;
+  a.cosine = dot(a.d.at, a.e.at);
+  a.sine = dot(a.axis, cross(a.d.at, a.e.at));
+  a.d_length = norm(a.d.at);
+  a.e_length = norm(a.e.at);
+  a.lever = hypot(a.cosine, a.sine, N(0));
   return a;
 }
 
 Number scalar(const System& s, const DriverInput& in, std::span<const double> q, Number& size) {
   if (in.own.size() > 1) {
-    const Direction d = direction(s, in, 0, q);
+    const Direction<Number> d = direction(s, in, 0, q);
     size = d.size;
     return recorded::norm(d.at);
   }
-  size = size_of(s, in.own[0], q);
-  return value_of(s, in.own[0], q);
+  size = size_of<Number>(s, in.own[0], q);
+  return value_of<Number>(s, in.own[0], q);
 }
 
 // Columns of the body's frame, with their uncertainty.
@@ -84,7 +114,7 @@ Axes own_axes(const System& s, const DriverInput& in, std::span<const double> q)
   Axes out;
   Numbers a[3];
   for (std::size_t j = 0; j < count; ++j) {
-    const Direction d = direction(s, in, (j + 1) * dim, q);
+    const Direction<Number> d = direction(s, in, (j + 1) * dim, q);
     const Number length = recorded::norm(d.at);
     a[j] = recorded::scale(1 / length, d.at);
     out.slack += d.size / length;
@@ -127,6 +157,69 @@ void append_angles(const System& s, const Axes& axes, std::vector<double>& out) 
 
 bool turns(const System& s, const DriverInput& in) { return in.kind == Kind::frame && in.count > s.dimension; }
 
+template <class N>
+std::string why_undefined(const Arms<N>& a) {
+  using std::abs;
+  const N &d = a.d_length, &e = a.e_length;
+  if (!(d > kNoLength * a.d.size)) return "its first direction has no length";
+  if (!(e > kNoLength * a.e.size)) return "its second direction has no length";
+  if (!(abs(norm(a.axis) - 1) <= kNoLever)) return "its axis is not a unit vector";
+  if (a.lever > kNoLever * d * e) return "";
+  if (!(norm(cross(a.axis, a.d.at)) > kNoLever * d)) return "its axis is parallel to its first direction";
+  if (!(norm(cross(a.axis, a.e.at)) > kNoLever * e)) return "its axis is parallel to its second direction";
+  return "its directions are at right angles to each other, and its axis lies in their plane";
+}
+
+// True if the angle of a direction is the prescribed one.
+template <class N>
+bool has_angle(const DriverInput& in, const Arms<N>& a, std::span<const double> q, double slack) {
+  using std::atan2;
+  const double* const x = q.data() + in.first;
+  const double off = std::remainder(plain(atan2(a.sine, a.cosine)) - std::atan2(x[1], x[0]), 2 * std::numbers::pi);
+  return std::abs(off) <= slack * plain(1 + (a.d.size * a.e_length + a.d_length * a.e.size) / a.lever);
+}
+
+template <class N>
+bool has_its_angle(const System& s, const DriverInput& in, std::span<const double> q, double slack) {
+  const Arms<N> a = arms<N>(s, in, q);
+  return why_undefined(a).empty() && has_angle(in, a, q, slack);
+}
+
+// The law whose value differs most from the prescribed one, as mismatch(); empty: none does.
+std::optional<std::size_t> wrong_law(const System& s, const DriverInput& in, std::span<const double> q, double slack) {
+  const double* const x = q.data() + in.first;
+  if (in.kind == Kind::direction)
+    return has_angle(in, arms(s, in, q), q, slack) ? std::nullopt : std::optional(std::size_t{0});
+  if (in.kind == Kind::scalar) {
+    Number size = 0;
+    const double unit = s.unit(in.dimension), wanted = x[0] * unit,
+                 off = (scalar(s, in, q, size) * unit).value() - wanted;
+    const double rounding = 16 * kEps * unit;  // a coordinate may be 0 but for rounding
+    const bool is_right = std::abs(off) <= slack * (size.value() * unit + std::abs(wanted)) + rounding;
+    return is_right ? std::nullopt : std::optional(std::size_t{0});
+  }
+  const double unit = s.unit(1);
+  for (std::size_t k = 0; k < idx(s.dimension); ++k) {
+    const double has = (value_of<Number>(s, in.own[k], q) * unit).value(), wanted = x[k] * unit;
+    if (!(std::abs(has - wanted) <= slack * (unit + std::abs(has) + std::abs(wanted)))) return k;
+  }
+  if (!turns(s, in)) return {};
+  // Compares axes, because close to theta = pi / 2 the angles are badly determined.
+  const Axes own = own_axes(s, in, q), asked = wanted_axes(s, in, q);
+  double worst = 0;
+  for (int j = 0; j < 3; ++j) {
+    const double apart = recorded::norm(recorded::subtract(own.column[j], asked.column[j])).value();
+    if (!(apart <= worst)) worst = apart;
+  }
+  if (worst <= slack * own.slack.value()) return {};
+  const std::vector<double> off = difference(s, in, own_values(s, in, q), wanted_values(s, in, q));
+  std::size_t most = idx(s.dimension);
+  for (std::size_t k = most + 1; k < off.size(); ++k) {
+    if (std::abs(off[k]) > std::abs(off[most])) most = k;
+  }
+  return most;
+}
+
 }  // namespace
 
 bool is_angle(const System& s, const DriverInput& in, std::size_t law) {
@@ -137,11 +230,11 @@ std::vector<double> own_values(const System& s, const DriverInput& in, std::span
   Number size = 0;
   if (in.kind == Kind::scalar) return {(scalar(s, in, q, size) * s.unit(in.dimension)).value()};
   if (in.kind == Kind::direction) {
-    const Arms a = arms(s, in, q);
+    const Arms<Number> a = arms(s, in, q);
     return {atan2(a.sine, a.cosine).value()};
   }
   std::vector<double> out;
-  for (Index k = 0; k < s.dimension; ++k) out.push_back((value_of(s, in.own[idx(k)], q) * s.unit(1)).value());
+  for (Index k = 0; k < s.dimension; ++k) out.push_back((value_of<Number>(s, in.own[idx(k)], q) * s.unit(1)).value());
   if (turns(s, in)) append_angles(s, own_axes(s, in, q), out);
   return out;
 }
@@ -187,56 +280,23 @@ void drive_by_values(const System& s, const std::vector<std::vector<double>>& va
 }
 
 std::string why_undefined(const System& s, const DriverInput& in, std::span<const double> q) {
-  if (in.kind != Kind::direction) return "";
-  const Arms a = arms(s, in, q);
-  const Number d = recorded::norm(a.d.at), e = recorded::norm(a.e.at), axis = recorded::norm(a.axis);
-  if (!(d > kNoLength * a.d.size)) return "its first direction has no length";
-  if (!(e > kNoLength * a.e.size)) return "its second direction has no length";
-  if (!(abs(axis - 1) <= kNoLever)) return "its axis is not a unit vector";
-  if (a.lever() > kNoLever * d * e) return "";
-  if (!(recorded::norm(recorded::cross(a.axis, a.d.at)) > kNoLever * d))
-    return "its axis is parallel to its first direction";
-  if (!(recorded::norm(recorded::cross(a.axis, a.e.at)) > kNoLever * e))
-    return "its axis is parallel to its second direction";
-  return "its directions are at right angles to each other, and its axis lies in their plane";
+  return in.kind == Kind::direction ? why_undefined(arms(s, in, q)) : "";
 }
 
 std::optional<Mismatch> mismatch(const System& s, const DriverInput& in, std::span<const double> q, double slack) {
-  const std::vector<double> has = own_values(s, in, q), wanted = wanted_values(s, in, q),
-                            off = difference(s, in, has, wanted);
+  const std::optional<std::size_t> wrong = wrong_law(s, in, q, slack);
+  if (!wrong) return {};
+  const double has = own_values(s, in, q)[*wrong], wanted = wanted_values(s, in, q)[*wrong];
   if (in.kind == Kind::scalar) {
-    Number size = 0;
-    (void)scalar(s, in, q, size);
-    const double rounding = 16 * kEps * s.unit(in.dimension);  // a coordinate may be 0 but for rounding
-    if (std::abs(off[0]) <= slack * (size.value() * s.unit(in.dimension) + std::abs(wanted[0])) + rounding) return {};
-    return Mismatch{in.must_not_vanish ? "distance" : "coordinate", has[0], wanted[0], in.dimension == 1 ? "m" : ""};
+    return Mismatch{in.must_not_vanish ? "distance" : "coordinate", has, wanted, in.dimension == 1 ? "m" : ""};
   }
-  if (in.kind == Kind::direction) {
-    const Arms a = arms(s, in, q);
-    const Number d = recorded::norm(a.d.at), e = recorded::norm(a.e.at);
-    if (std::abs(off[0]) <= slack * (1 + (a.d.size * e + d * a.e.size) / a.lever()).value()) return {};
-    return Mismatch{"angle", has[0], wanted[0], "rad"};
-  }
-  const auto part = [&](std::size_t k) {  // NOLINTNEXTLINE(clang-analyzer-core.CallAndMessage): k < has.size()
-    return Mismatch{pose_part(k, s.dimension), has[k], wanted[k], k < idx(s.dimension) ? "m" : "rad"};
-  };
-  for (std::size_t k = 0; k < idx(s.dimension); ++k) {
-    if (!(std::abs(off[k]) <= slack * (s.unit(1) + std::abs(has[k]) + std::abs(wanted[k])))) return part(k);
-  }
-  if (!turns(s, in)) return {};
-  // Compares axes, because close to theta = pi / 2 the angles are badly determined.
-  const Axes own = own_axes(s, in, q), asked = wanted_axes(s, in, q);
-  double worst = 0;
-  for (int j = 0; j < 3; ++j) {
-    const double apart = recorded::norm(recorded::subtract(own.column[j], asked.column[j])).value();
-    if (!(apart <= worst)) worst = apart;
-  }
-  if (worst <= slack * own.slack.value()) return {};
-  std::size_t most = idx(s.dimension);
-  for (std::size_t k = most + 1; k < off.size(); ++k) {
-    if (std::abs(off[k]) > std::abs(off[most])) most = k;
-  }
-  return part(most);
+  if (in.kind == Kind::direction) return Mismatch{"angle", has, wanted, "rad"};
+  return Mismatch{pose_part(*wrong, s.dimension), has, wanted, *wrong < idx(s.dimension) ? "m" : "rad"};
+}
+
+bool has_its_value(const System& s, const DriverInput& in, std::span<const double> q, double slack) {
+  if (in.kind != Kind::direction) return !wrong_law(s, in, q, slack);
+  return Tape::active() == nullptr ? has_its_angle<double>(s, in, q, slack) : has_its_angle<Number>(s, in, q, slack);
 }
 
 }  // namespace assur

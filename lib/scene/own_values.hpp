@@ -50,5 +50,8 @@ struct Mismatch {
 };
 [[nodiscard]] std::optional<Mismatch> mismatch(const System& system, const DriverInput& input,
                                                std::span<const double> q, double slack = kSlack);
+// True if the driver has a value, and no mismatch.
+[[nodiscard]] bool has_its_value(const System& system, const DriverInput& input, std::span<const double> q,
+                                 double slack = kSlack);
 
 }  // namespace assur

@@ -89,6 +89,8 @@ Recipe::Recipe(const Tape& tape, const System& system, std::string& why_not) {
   });
   for (std::size_t i = 0; i < system.inputs.size(); ++i) {
     const DriverInput& in = system.inputs[i];
+    has_written_ = has_written_ || std::any_of(in.written.begin(), in.written.end(),
+                                               [&](double x) { return tape.find(x) != Tape::kNone; });
     for (std::size_t k = 0; k < in.laws.size(); ++k) {
       OfLaw law{i, k, {}};
       const std::vector<Law::Part>& parts = in.laws[k].parts();

@@ -22,9 +22,11 @@ class Recipe {
   // Computes the numbers; wanted(i) of a replay has the i-th one.
   [[nodiscard]] const std::vector<Tape::Node>& wanted() const { return nodes_; }
 
-  // True if numbers of outputs, of laws, or of assignments are among them.
+  // True if numbers of outputs, of laws, of drivers (laws, or values in the posture as written), or of assignments are
+  // among them.
   [[nodiscard]] bool has_outputs() const { return has_outputs_; }
   [[nodiscard]] bool has_laws() const { return !laws_.empty(); }
+  [[nodiscard]] bool has_drivers() const { return has_laws() || has_written_; }
   [[nodiscard]] bool has_assignments() const { return has_assignments_; }
 
   // Places in a copy of the system that receive the numbers.
@@ -55,7 +57,7 @@ class Recipe {
   std::vector<std::size_t> numbers_;  // in the order of each_number() of the system
   std::vector<OfLaw> laws_;
   std::vector<Tape::Node> nodes_;  // of numbers_, then of the numbers of laws_
-  bool has_outputs_ = false, has_assignments_ = false;
+  bool has_outputs_ = false, has_written_ = false, has_assignments_ = false;
 };
 
 }  // namespace assur

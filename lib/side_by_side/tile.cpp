@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 #include <utility>
 
 #include "index.hpp"
@@ -148,18 +149,17 @@ void Tile::bind(bool alike) {
     if (!pack.pivots || !pack.solver || has_worked(pack.solver->effort())) pack.solver.reset();
     pack.factored = false;
     pack.used = static_cast<std::int32_t>(variants_.size());
-    GroupSolver& solver = *layout_.solvers[idx(pack.group_class)];
-    for (int lane = 0; lane < lanes_; ++lane) {
-      const Variant& v = *variants_[idx(lane) < variants_.size() ? idx(lane) : 0];
-      solver.bind_lane(*v.system, structure_->groups[g], pack, lane);
-    }
+    layout_.solvers[idx(pack.group_class)]->bind(pack, [&](std::size_t lane) {
+      return std::tie(*variants_[lane < variants_.size() ? lane : 0]->system, structure_->groups[g]);
+    });
   }
+  auto news = OutputSteps::News::none;
   for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
-    bind_programs(lane);
+    news = std::max(news, bind_programs(lane));
     mechanisms_[lane].bind(*variants_[lane]->system, variants_[lane]->reselect != nullptr);
     mechanisms_[lane].check_inputs(driven_.inputs);
   }
-  output_steps_.bind(variants_.size());
+  output_steps_.bind(variants_.size(), news);
   std::vector<const System*> systems;
   for (const Variant* v : variants_) systems.push_back(v->system.get());
   estimate_.restart(systems, driven_.inputs);
@@ -167,21 +167,28 @@ void Tile::bind(bool alike) {
   same_assignments_ = same_laws_ && same_assignments();
 }
 
-void Tile::bind_programs(std::size_t lane) {
+// Returns what is new in the outputs.
+OutputSteps::News Tile::bind_programs(std::size_t lane) {
   const Variant& v = *variants_[lane];
   const bool is_known = v.changes && bound_to_[lane] == v.system.get();
   bound_to_[lane] = v.system.get();
+  using News = OutputSteps::News;
+  News news = !is_known ? News::all : v.changes->outputs ? News::numbers : News::none;
   if (!is_known) wanted_[lane] = wanted_outputs(*v.system);
-  if (!is_known || v.changes->outputs) outputs_[lane].bind(*v.system, layout_.address, wanted_[lane]);
+  if (news == News::all || (news == News::numbers && !outputs_[lane].renew(*v.system))) {
+    outputs_[lane].bind(*v.system, layout_.address, wanted_[lane]);
+    news = News::all;
+  }
   const bool has_laws = is_known && !v.changes->laws;
   if (!has_laws || (v.changes->assignments && !drive_[lane]->renew_assignments(*v.system, driven_))) {
     drive_[lane].emplace(*v.system, driven_);
   }
-  if (has_laws) return;  // and the same functions
+  if (has_laws) return news;  // and the same functions
   const bool repeats = lane > 0 && v.system == variants_[0]->system && v.time == variants_[0]->time;
   functions_[lane].reset();
   if (!repeats) functions_[lane].emplace(*structure_, *v.system, layout_.address);
   if (!repeats && functions_[lane]->empty()) functions_[lane].reset();
+  return news;
 }
 
 // True if the drivers of all lanes have the same laws: then one evaluation serves all lanes at the same time.

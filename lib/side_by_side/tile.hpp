@@ -114,7 +114,7 @@ class Tile {
   [[nodiscard]] Status start(std::span<const Variant* const> variants, bool alike);
   void find_whole_step();
   void bind(bool alike = true);
-  void bind_programs(std::size_t lane);
+  [[nodiscard]] OutputSteps::News bind_programs(std::size_t lane);
   [[nodiscard]] bool drives_at_once(std::span<const double> times) const;
   [[nodiscard]] bool same_laws() const;
   [[nodiscard]] bool same_assignments() const;

@@ -60,17 +60,16 @@ class ValueTable::Binder : public MemberBinder {
     for (const Group& g : structure.groups) near_.insert(near_.end(), g.unknowns.begin(), g.unknowns.end());
     lanes_.reserve(lanes);
     for (std::size_t l = 0; l < lanes; ++l) lanes_.emplace_back(table);
+    find_way(lanes_[0]);
     from_guess_ = near_;
     find_frames(structure);
     find_static_equations(structure);
     parameters_.resize(lanes * table.varying_.size());
     pointers_.resize(lanes);
     for (std::size_t l = 0; l < lanes; ++l) pointers_[l] = parameters_.data() + l * table.varying_.size();
-    if (!table.assembly_) return;
-    assembly_.emplace(*table.assembly_);
-    if (!can_take(Path::walk_in_lanes, needs_of(structure))) return;
-    in_lanes_ = WalkInLanes::make(assembly_->system, table.assembly_->parts, structure.start, static_cast<int>(lanes),
-                                  code_for(table, lanes));
+    if (!table.assembly_ || !can_take(Path::walk_in_lanes, needs_of(structure))) return;
+    in_lanes_ = WalkInLanes::make(table.assembly_->system, table.assembly_->parts, structure.start,
+                                  static_cast<int>(lanes), code_for(table, lanes));
   }
 
   void bind(std::span<const std::size_t> members, std::span<const Variant*> variants) override {
@@ -85,6 +84,7 @@ class ValueTable::Binder : public MemberBinder {
       variants[l] = nullptr;
       if (!replay_.holds(l) || !table_.has_constants(members[l])) continue;
       lanes_[l].set(replay_, l, *this);
+      if (table_.recipe_->has_drivers()) find_way(lanes_[l]);
       variants[l] = &lanes_[l].variant;
       if (!starts_as_written(lanes_[l])) open.push_back(l);
     }
@@ -94,13 +94,14 @@ class ValueTable::Binder : public MemberBinder {
   }
 
   bool assemble(std::size_t i) override {
-    if (!assembly_) return false;
+    if (!table_.assembly_) return false;
     const std::vector<WalkedPart>& parts = table_.assembly_->parts;
-    const System& s = numbers_of(i);
-    Walker w;
-    if (!place_as_written(s, i, w) || !close(s, parts, w.q)) return false;
-    if (w.moves && walk(s, parts, w.way, w.q).end != Walked::End::arrived) return false;
-    return arrive(s, w);
+    Lane& lane = lanes_[i];
+    std::vector<double> q;
+    if (!place_as_written(i, q) || !close(lane.open->system, parts, q)) return false;
+    const DriversWay& drivers = way_of(lane);
+    if (drivers.moves && walk(lane.open->system, parts, drivers.way, q).end != Walked::End::arrived) return false;
+    return arrive(lane, [&](Index c) { return q[idx(c)]; });
   }
 
   [[nodiscard]] bool is_start(const Variant& guess, std::span<const double> posture) const override {
@@ -116,7 +117,23 @@ class ValueTable::Binder : public MemberBinder {
   }
 
  private:
-  // The system of a lane, whose numbers are those of its member.
+  // The equations before presolve, with the numbers of one member.
+  struct OneMember {
+    explicit OneMember(const Assembly& of) : system(of.system), target(of.recipe, system) {}
+
+    System system;
+    Recipe::Target target;
+  };
+
+  // The way of the drivers from the posture as written to their laws.
+  struct DriversWay {
+    bool exists = true;  // false: a law has no value at the start
+    bool moves = false;  // the drivers do
+    Way way;
+    std::vector<double> begin, end;  // coordinates, of which those of inputs are set
+  };
+
+  // The systems of a lane, whose numbers are those of its member.
   struct Lane {
     explicit Lane(const ValueTable& table)
         : system(std::make_shared<System>(*table.structure_->system)),
@@ -127,7 +144,9 @@ class ValueTable::Binder : public MemberBinder {
                   {},
                   {},
                   Variant::Changes{table.recipe_->has_outputs(), table.recipe_->has_laws(),
-                                   table.recipe_->has_assignments()}} {}
+                                   table.recipe_->has_assignments()}} {
+      if (table.assembly_) open.emplace(*table.assembly_);
+    }
 
     // The posture does not depend on the member that the lane had before.
     void set(const Replay& replay, std::size_t lane, const Binder& binder) {
@@ -140,7 +159,33 @@ class ValueTable::Binder : public MemberBinder {
     std::shared_ptr<System> system;
     Recipe::Target target;
     Variant variant;
+    std::optional<OneMember> open;
+    DriversWay way;               // see way_of()
+    std::vector<double> at_laws;  // the guess of `open`, with the drivers at their laws
   };
+
+  // It is that of all members unless the recipe has numbers of drivers.
+  [[nodiscard]] const DriversWay& way_of(const Lane& lane) const {
+    return table_.recipe_->has_drivers() ? lane.way : lanes_[0].way;
+  }
+  void find_way(Lane& lane) const {
+    const System& s = *lane.system;
+    const double time = table_.first_->time.start;
+    DriversWay& to = lane.way;
+    to.end = s.guess;
+    to.exists = drive(s, time, to.end.data(), nullptr, nullptr).ok();
+    if (!to.exists) return;
+    to.way = way_to_laws(s, to.end, time);
+    to.moves = is_moving(s, to.way);
+    to.begin = to.end;
+    if (to.moves) drive_by_values(s, to.way.from, to.begin);
+  }
+
+  // Puts the known coordinates where they are with these inputs.
+  static void place(const System& s, const std::vector<double>& inputs, std::vector<double>& q) {
+    for (const DriverInput& in : s.inputs) std::copy_n(inputs.begin() + in.first, in.count, q.begin() + in.first);
+    for (const Assignment& a : s.assignments) q[idx(a.coordinate)] = form_value<double>(s, a.form, q);
+  }
 
   // Equations between coordinates that are at rest. They are not solved in the lanes: such a coordinate is where its
   // guess is, if that is where it was assembled, or where it was at the recorded member.
@@ -163,51 +208,32 @@ class ValueTable::Binder : public MemberBinder {
     }
   }
 
-  // The equations before presolve, with the numbers of one member.
-  struct OneMember {
-    explicit OneMember(const Assembly& of) : system(of.system), target(of.recipe, system) {}
-
-    System system;
-    Recipe::Target target;
-  };
-
-  // A member on its way to the start.
-  struct Walker {
-    std::size_t lane = 0;
-    Way way;
-    bool moves = false;           // the drivers do
-    std::vector<double> at_laws;  // the guess, with the drivers at their laws
-    std::vector<double> q;
-  };
-
-  const System& numbers_of(std::size_t lane) {
-    assembly_->target.set(replay_, lane, table_.recipe_->wanted().size());
-    return assembly_->system;
-  }
-
-  // Puts the drivers where they are in the posture as written. False if a law has no value at the start.
-  [[nodiscard]] bool place_as_written(const System& s, std::size_t lane, Walker& w) const {
-    const double time = table_.first_->time.start;
-    w.lane = lane;
-    w.at_laws = s.guess;
-    if (!drive(s, time, w.at_laws.data(), nullptr, nullptr).ok()) return false;
-    w.way = way_to_laws(s, w.at_laws, time);
-    w.moves = is_moving(s, w.way);
-    w.q = w.at_laws;
-    if (w.moves) drive_by_values(s, w.way.from, w.q);
+  // Sets the equations of a lane, and q to the posture as written. False if a law has no value at the start.
+  [[nodiscard]] bool place_as_written(std::size_t i, std::vector<double>& q) {
+    Lane& lane = lanes_[i];
+    lane.open->target.set(replay_, i, table_.recipe_->wanted().size());
+    const System& s = lane.open->system;
+    const DriversWay& drivers = way_of(lane);
+    if (!drivers.exists) return false;
+    lane.at_laws = s.guess;
+    place(s, drivers.end, lane.at_laws);
+    q = lane.at_laws;
+    if (drivers.moves) place(s, drivers.begin, q);
     return true;
   }
 
-  // Gives the lane the posture at the end of its way. False if that is not the start that prepare() would find, because
-  // drivers have not the values of their laws.
-  [[nodiscard]] bool arrive(const System& s, Walker& w) {
+  // Gives the lane the posture at the end of its way, where the coordinates are at(coordinate). False if that is not
+  // the start that prepare() would find, because drivers have not the values of their laws.
+  template <class At>
+  [[nodiscard]] bool arrive(Lane& lane, const At& at) {
+    const System& s = lane.open->system;
+    std::vector<double>& q = lane.at_laws;
     for (const WalkedPart& p : table_.assembly_->parts) {
-      for (const Index u : p.unknowns) w.at_laws[idx(u)] = w.q[idx(u)];
+      for (const Index u : p.unknowns) q[idx(u)] = at(u);
     }
-    const std::vector<double>& q = w.at_laws;
-    const auto is_wrong = [&](const DriverInput& in) { return mismatch(s, in, q).has_value(); };
-    if (!undefined_driver(s, q).empty() || std::any_of(s.inputs.begin(), s.inputs.end(), is_wrong)) return false;
-    std::vector<double>& posture = lanes_[w.lane].variant.posture;
+    const auto is_right = [&](const DriverInput& in) { return has_its_value(s, in, q); };
+    if (!std::all_of(s.inputs.begin(), s.inputs.end(), is_right)) return false;
+    std::vector<double>& posture = lane.variant.posture;
     const bool rests = !table_.structure_->static_coordinates.empty();  // what they read is not solved again
     for (const Index c : near_) posture[idx(c)] = rests ? q[idx(c)] : std::round(q[idx(c)] / kGrain) * kGrain;
     for (const Index c : table_.structure_->static_coordinates) posture[idx(c)] = q[idx(c)];
@@ -217,52 +243,43 @@ class ValueTable::Binder : public MemberBinder {
   // The drivers of members on their way.
   class Drivers final : public WalkInLanes::Drivers {
    public:
-    Drivers(Binder& binder, const std::vector<Walker>& walkers) : binder_(binder), walker_(binder.lanes_.size()) {
-      for (const Walker& w : walkers) walker_[w.lane] = &w;
-    }
+    explicit Drivers(const Binder& binder) : binder_(binder) {}
     void move(std::size_t lane, double before, double share, std::vector<double>& q,
               std::vector<double>& strays) override {
-      const System& s = binder_.numbers_of(lane);
-      const Walker& w = *walker_[lane];
-      set_strays(s, w.way, share - before, strays);
+      const Lane& l = binder_.lanes_[lane];
+      const System& s = l.open->system;
+      const Way& way = binder_.way_of(l).way;
+      set_strays(s, way, share - before, strays);
       if (share == 1) {
-        q = w.at_laws;
+        q = l.at_laws;
         return;
       }
-      DriverValues values = w.way.from;
+      DriverValues values = way.from;
       for (std::size_t i = 0; i < values.size(); ++i) {
-        for (std::size_t k = 0; k < values[i].size(); ++k) values[i][k] += share * w.way.change[i][k];
+        for (std::size_t k = 0; k < values[i].size(); ++k) values[i][k] += share * way.change[i][k];
       }
       drive_by_values(s, values, q);
     }
     [[nodiscard]] bool hold(std::size_t lane, const std::vector<double>& q) override {
-      return drivers_hold(binder_.numbers_of(lane), walker_[lane]->way, q);
+      const Lane& l = binder_.lanes_[lane];
+      return drivers_hold(l.open->system, binder_.way_of(l).way, q);
     }
 
    private:
-    Binder& binder_;
-    std::vector<const Walker*> walker_;  // lanes
+    const Binder& binder_;
   };
 
   // Assembles those members side by side that can be; returns the others.
   std::vector<std::size_t> walk_together(const std::vector<std::size_t>& lanes) {
-    std::vector<std::size_t> others;
-    std::vector<Walker> walkers;
     for (const std::size_t l : lanes) {
-      const System& s = numbers_of(l);
-      Walker w;
-      if (!place_as_written(s, l, w)) {
-        others.push_back(l);
-        continue;
-      }
-      in_lanes_->set(l, s, w.q, w.moves);
-      walkers.push_back(std::move(w));
+      if (place_as_written(l, drawing_)) in_lanes_->set(l, lanes_[l].open->system, drawing_, way_of(lanes_[l]).moves);
     }
-    Drivers drivers(*this, walkers);
+    Drivers drivers(*this);
     in_lanes_->run(drivers);
-    for (Walker& w : walkers) {
-      for (std::size_t c = 0; c < w.q.size(); ++c) w.q[c] = in_lanes_->at(c, w.lane);
-      if (!in_lanes_->arrived(w.lane) || !arrive(numbers_of(w.lane), w)) others.push_back(w.lane);
+    std::vector<std::size_t> others;
+    for (const std::size_t l : lanes) {
+      const auto at = [&](Index c) { return in_lanes_->at(idx(c), l); };
+      if (!in_lanes_->arrived(l) || !arrive(lanes_[l], at)) others.push_back(l);
     }
     return others;
   }
@@ -283,8 +300,10 @@ class ValueTable::Binder : public MemberBinder {
   [[nodiscard]] bool starts_as_written(Lane& lane) const {
     Variant& v = lane.variant;
     const System& s = *v.system;
-    if (!drive(s, v.time, v.posture.data(), nullptr, nullptr).ok()) return false;
-    if (is_moving(s, way_to_laws(s, v.posture, v.time))) return false;
+    const DriversWay& drivers = way_of(lane);
+    if (!drivers.exists) return false;
+    place(s, drivers.end, v.posture);
+    if (drivers.moves) return false;
     const auto holds = [&](Index e, double within) {
       return std::abs(residual<double>(s, e, v.posture)) <= within * residual_scale(s, e, v.posture);
     };
@@ -322,8 +341,8 @@ class ValueTable::Binder : public MemberBinder {
   std::vector<std::size_t> frames_;  // indices into System::frames
   std::vector<Index> from_guess_;    // coordinates that begin at their guess
   std::vector<Index> static_equations_;
-  std::optional<OneMember> assembly_;
   std::unique_ptr<WalkInLanes> in_lanes_;  // null: each member walks alone
+  std::vector<double> drawing_;            // of one lane, all coordinates
   std::vector<Lane> lanes_;
   std::vector<double> parameters_;       // lanes x varying columns
   std::vector<const double*> pointers_;  // lanes

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <utility>
 
 #include "backends/lanes_order.hpp"
+#include "backends/with_lanes.hpp"
 #include "index.hpp"
 #include "program/needs.hpp"
 #include "program/walk_step.hpp"
@@ -85,6 +87,7 @@ std::unique_ptr<WalkInLanes> WalkInLanes::make(const System& system, std::span<c
       unknowns = std::max(unknowns, idx(c.n));
       work = std::max(work, work_of_walk_step(c));
     }
+    part.numbers.resize(part.constants.size() * w);
     part.coefficients.resize(out->steps_[part.by].group_class.coefficients.size() * w);
     for (LaneArray* v : {&part.open, &part.aims}) v->resize(idx(c.n) * w);
   }
@@ -105,18 +108,9 @@ void WalkInLanes::set(std::size_t lane, const System& numbers, std::span<const d
   lanes_[lane] = {Stage::closing, drivers_move};
   for (std::size_t c = 0; c < drawing.size(); ++c) from_[c * w_ + lane] = drawing[c];
   for (Part& part : parts_) {
-    constants_.clear();
-    for (const std::int32_t k : part.constants) constants_.push_back(numbers.constants[idx(k)]);
-    bind_coefficients(steps_[part.by].group_class, constants_, part.coefficients.data() + lane, w_);
+    double* to = part.numbers.data() + lane;
+    for (const std::int32_t k : part.constants) *to = numbers.constants[idx(k)], to += w_;
   }
-}
-
-void WalkInLanes::get(std::size_t lane, const LaneArray& rows) {
-  for (std::size_t c = 0; c < one_.size(); ++c) one_[c] = rows[c * w_ + lane];
-}
-
-void WalkInLanes::put(std::size_t lane, LaneArray& rows, const std::vector<double>& numbers) const {
-  for (const std::int32_t c : known_) rows[idx(c) * w_ + lane] = numbers[idx(c)];
 }
 
 void WalkInLanes::run(Drivers& drivers) {
@@ -132,25 +126,40 @@ void WalkInLanes::run(Drivers& drivers) {
   for (Lane& lane : lanes_) {
     if (!lane.is_on_its_way()) lane.stage = Stage::unset;
   }
-  while (each([&](std::size_t lane) { begin_step(lane, drivers); })) {
+  for (Part& part : parts_) {
+    bind_coefficients(steps_[part.by].group_class, part.numbers.data(), part.coefficients.data(), w_);
+  }
+  for (bool is_first = true; each([&](std::size_t lane) { begin_step(lane, drivers); }); is_first = false) {
+    set_aims();
     std::fill(used_.begin(), used_.end(), 0.0);
-    for (Part& part : parts_) run(part);
+    for (Part& part : parts_) run(part, is_first);
+    std::fill(goes_on_.begin(), goes_on_.end(), 0.0);
     each([&](std::size_t lane) { end_step(lane, drivers); });
+    for (std::size_t row = 0; row < from_.size(); row += w_) {
+      for (std::size_t l = 0; l < w_; ++l) from_[row + l] = goes_on_[l] > 0 ? to_[row + l] : from_[row + l];
+    }
   }
 }
 
-// Sets the known coordinates, and the residuals, at the end of the step.
+// Sets the known coordinates at the end of the step.
 void WalkInLanes::begin_step(std::size_t lane, Drivers& drivers) {
   const Lane& l = lanes_[lane];
   const bool moves = l.stage == Stage::moving;
-  get(lane, from_);
-  std::fill(one_strays_.begin(), one_strays_.end(), 0.0);
+  left_[lane] = moves ? 0 : 1 - l.target();
+  for (const std::int32_t c : known_) one_[idx(c)] = from_[idx(c) * w_ + lane];
   if (moves) drivers.move(lane, l.share, l.target(), one_, one_strays_);
-  put(lane, to_, one_);
-  put(lane, strays_, one_strays_);
-  const double left = moves ? 0 : 1 - l.target();
+  for (const std::int32_t c : known_) {
+    to_[idx(c) * w_ + lane] = one_[idx(c)];
+    strays_[idx(c) * w_ + lane] = moves ? one_strays_[idx(c)] : 0;
+  }
+}
+
+// The residuals at the end of the step. In the first one, nothing is known of those that are open.
+void WalkInLanes::set_aims() {
   for (Part& part : parts_) {
-    for (std::size_t i = lane; i < part.aims.size(); i += w_) part.aims[i] = left > 0 ? left * part.open[i] : 0;
+    for (std::size_t row = 0; row < part.aims.size(); row += w_) {
+      for (std::size_t l = 0; l < w_; ++l) part.aims[row + l] = left_[l] > 0 ? left_[l] * part.open[row + l] : 0;
+    }
   }
 }
 
@@ -164,7 +173,7 @@ void WalkInLanes::end_step(std::size_t lane, Drivers& drivers) {
     if (l.step < kShortest || l.steps >= kMostSteps) l.stage = Stage::given_up;
     return;
   }
-  for (std::size_t i = lane; i < from_.size(); i += w_) from_[i] = to_[i];
+  goes_on_[lane] = 1;
   l.share = l.target();
   l.step = by * WalkRules::after_success(used);
   if (l.share < 1) return;
@@ -180,21 +189,24 @@ bool WalkInLanes::holds(std::size_t lane, Drivers& drivers) {
     if (!(to_[idx(c) * w_ + lane] > 0)) return false;
   }
   if (lanes_[lane].stage != Stage::moving) return true;
-  get(lane, to_);
+  for (std::size_t c = 0; c < one_.size(); ++c) one_[c] = to_[c * w_ + lane];
   return drivers.hold(lane, one_);
 }
 
-void WalkInLanes::run(Part& part) {
-  const auto copy = [this](const LaneArray& from, std::size_t row, LaneArray& to, std::size_t to_row) {
-    std::copy_n(from.data() + row * w_, w_, to.data() + to_row * w_);
+void WalkInLanes::run(Part& part, bool is_first) {
+  const auto gather = [this](const LaneArray& rows, const std::vector<std::int32_t>& coordinates, LaneArray& into) {
+    with_lanes(w_, [&](auto w) {
+      double* to = into.data();
+      for (const std::int32_t c : coordinates) {
+        std::memcpy(to, rows.data() + idx(c) * w, w * sizeof(double));
+        to += w;
+      }
+    });
   };
-  for (std::size_t i = 0; i < part.inputs.size(); ++i) {
-    const std::size_t c = idx(part.inputs[i]);
-    copy(to_, c, inputs_, i);
-    copy(from_, c, from_inputs_, i);
-    copy(strays_, c, stray_inputs_, i);
-  }
-  for (std::size_t j = 0; j < part.unknowns.size(); ++j) copy(from_, idx(part.unknowns[j]), unknowns_, j);
+  gather(to_, part.inputs, inputs_);
+  gather(from_, part.inputs, from_inputs_);
+  gather(strays_, part.inputs, stray_inputs_);
+  gather(from_, part.unknowns, unknowns_);
   std::array<double*, kMemories> memory;
   const auto give = [&](Memory m, LaneArray& at) { memory[static_cast<std::size_t>(m)] = at.data(); };
   give(Memory::coefficients, part.coefficients);
@@ -209,15 +221,16 @@ void WalkInLanes::run(Part& part) {
   give(WalkSlots::stray, stray_);
   give(WalkSlots::used, use_);
   steps_[part.by].executor->run(memory);
-  for (std::size_t j = 0; j < part.unknowns.size(); ++j) {
-    copy(solved_, j, to_, idx(part.unknowns[j]));
-    copy(stray_, 0, strays_, idx(part.unknowns[j]));
-  }
-  for (std::size_t l = 0; l < w_; ++l) {
-    used_[l] = use_[l] <= used_[l] ? used_[l] : use_[l];
-    if (lanes_[l].steps > 0) continue;
-    for (std::size_t i = l; i < part.open.size(); i += w_) part.open[i] = open_[i];
-  }
+  with_lanes(w_, [&](auto w) {
+    const double* from = solved_.data();
+    for (const std::int32_t u : part.unknowns) {
+      std::memcpy(to_.data() + idx(u) * w, from, w * sizeof(double));
+      std::memcpy(strays_.data() + idx(u) * w, stray_.data(), w * sizeof(double));
+      from += w;
+    }
+  });
+  for (std::size_t l = 0; l < w_; ++l) used_[l] = use_[l] <= used_[l] ? used_[l] : use_[l];
+  if (is_first) std::copy_n(open_.begin(), part.open.size(), part.open.begin());
 }
 
 }  // namespace assur

@@ -25,7 +25,8 @@ class WalkInLanes {
    public:
     virtual ~Drivers() = default;
     // Puts the known coordinates of q where they are at this share of the way of the drivers, and finds how far they
-    // may leave their chords since a share before it (set_strays()). q, strays: all coordinates of the lane
+    // may leave their chords since a share before it (set_strays()). q, strays: all coordinates of the lane; unknown
+    // ones are unspecified
     virtual void move(std::size_t lane, double before, double share, std::vector<double>& q,
                       std::vector<double>& strays) = 0;
     // True if the drivers have their values there, measured without their equations.
@@ -66,15 +67,14 @@ class WalkInLanes {
   struct Part {
     std::size_t by = 0;  // index of its step
     std::vector<std::int32_t> unknowns, inputs, constants;
-    LaneArray coefficients;
-    LaneArray open, aims;  // n x W: residuals in the drawing, and at the end of the step
+    LaneArray numbers, coefficients;  // x W; numbers: those of `constants`
+    LaneArray open, aims;             // n x W: residuals in the drawing, and at the end of the step
   };
-  explicit WalkInLanes(std::size_t lanes) : w_(lanes), lanes_(lanes), used_(lanes) {}
+  explicit WalkInLanes(std::size_t lanes) : w_(lanes), lanes_(lanes), used_(lanes), left_(lanes), goes_on_(lanes) {}
   void begin_step(std::size_t lane, Drivers& drivers);
+  void set_aims();
   void end_step(std::size_t lane, Drivers& drivers);
-  void run(Part& part);
-  void get(std::size_t lane, const LaneArray& rows);
-  void put(std::size_t lane, LaneArray& rows, const std::vector<double>& numbers) const;
+  void run(Part& part, bool is_first);
   [[nodiscard]] bool holds(std::size_t lane, Drivers& drivers);
 
   std::size_t w_;
@@ -84,10 +84,12 @@ class WalkInLanes {
   std::vector<Lane> lanes_;
   LaneArray from_, to_, strays_;  // coordinates x W
   LaneArray used_;                // W: largest WalkSlots::used of the parts
+  LaneArray left_;                // W: share of the open residuals at the end of the step
+  LaneArray goes_on_;             // W: 1 if the lane has made the step, else 0
   // Of a part: its inputs in the end and now, and how far they may leave their chord; its unknowns now and in the end;
   // residuals now; one row for each of the two figures; work.
   LaneArray inputs_, from_inputs_, stray_inputs_, unknowns_, solved_, open_, stray_, use_, work_;
-  std::vector<double> constants_, one_, one_strays_;  // of one lane
+  std::vector<double> one_, one_strays_;  // of one lane
 };
 
 }  // namespace assur

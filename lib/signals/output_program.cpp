@@ -43,6 +43,10 @@ void OutputProgram::bind(const System& s, std::span<const std::int32_t> address,
   angles_.clear();
   totals_.clear();
   total_terms_.clear();
+  of_motions_.clear();
+  of_lines_.clear();
+  of_sums_.clear();
+  of_forms_.clear();
   std::int32_t next = 0;                                               // column
   std::map<std::pair<std::string_view, int>, std::int32_t> column_of;  // of measures, if there are sums
   const bool has_sums =
@@ -87,16 +91,18 @@ void OutputProgram::add(const System& s, std::span<const std::int32_t> address, 
       sum_terms_.back().factor *= unit;  // a power of two
     }
     sums_.push_back({begin, static_cast<std::int32_t>(sum_terms_.size()), column});
+    of_sums_.push_back({m.forms[0], unit});
     return;
   }
   Part part{m.kind, static_cast<std::int32_t>(form_start_.size()) - 1, 0, unit, column};
   for (const Index f : m.forms) {
     for (const Term& t : s.form(f)) terms_.push_back(term_at(t));
     form_start_.push_back(static_cast<std::int32_t>(terms_.size()));
+    of_forms_.push_back(f);
   }
   part.forms_end = static_cast<std::int32_t>(form_start_.size()) - 1;
   const bool is_signed = part.is_signed_angle();
-  if (is_signed) part.arm = add_arm(part, address[kOne]);
+  if (is_signed) part.arm = add_arm(part);
   if (is_signed && column[0] >= 0) {
     part.angle = static_cast<std::int32_t>(angles_.size());
     angles_.push_back(parts_.size());
@@ -104,27 +110,61 @@ void OutputProgram::add(const System& s, std::span<const std::int32_t> address, 
   parts_.push_back(part);
 }
 
-bool OutputProgram::add_line(const System& s, std::span<const std::int32_t> address, Index form, double unit,
-                             const std::array<std::int32_t, 3>& column) {
-  Line line{address[kOne], column, 0, 0};
-  bool moves = false;
+namespace {
+
+// A form as offset + factor * coordinate, times the unit, a power of two. False if more than one coordinate takes part.
+bool find_line(const System& s, Index form, double unit, Index& coordinate, double& factor, double& offset) {
+  coordinate = kOne;
+  factor = offset = 0;
   for (const Term& t : s.form(form)) {
-    const double factor = s.constants[static_cast<std::size_t>(t.constant)] * unit;  // a power of two
+    const double by = s.constants[static_cast<std::size_t>(t.constant)] * unit;
     if (t.coordinate == kOne) {
-      line.offset += factor;
+      offset += by;
       continue;
     }
-    if (moves) return false;
-    moves = true;
-    line.address = address[static_cast<std::size_t>(t.coordinate)];
-    line.factor = factor;
-  }
-  if (std::all_of(column.begin(), column.end(), [](std::int32_t c) { return c >= 0; })) {
-    motions_.push_back({line.address, column[0], column[1] - column[0], line.factor, line.offset});
-  } else {
-    lines_.push_back(line);
+    if (coordinate != kOne) return false;
+    coordinate = t.coordinate;
+    factor = by;
   }
   return true;
+}
+
+}  // namespace
+
+bool OutputProgram::add_line(const System& s, std::span<const std::int32_t> address, Index form, double unit,
+                             const std::array<std::int32_t, 3>& column) {
+  Line line{0, column, 0, 0};
+  Index coordinate = kOne;
+  if (!find_line(s, form, unit, coordinate, line.factor, line.offset)) return false;
+  line.address = address[idx(coordinate)];
+  if (std::all_of(column.begin(), column.end(), [](std::int32_t c) { return c >= 0; })) {
+    motions_.push_back({line.address, column[0], column[1] - column[0], line.factor, line.offset});
+    of_motions_.push_back({form, unit});
+  } else {
+    lines_.push_back(line);
+    of_lines_.push_back({form, unit});
+  }
+  return true;
+}
+
+bool OutputProgram::renew(const System& s) {
+  if (!rows_.empty() || !totals_.empty()) return false;
+  Index coordinate = kOne;
+  const auto renew_line = [&](const Source& of, auto& line) {
+    (void)find_line(s, of.form, of.unit, coordinate, line.factor, line.offset);
+  };
+  for (std::size_t i = 0; i < motions_.size(); ++i) renew_line(of_motions_[i], motions_[i]);
+  for (std::size_t i = 0; i < lines_.size(); ++i) renew_line(of_lines_[i], lines_[i]);
+  const auto renew_terms = [&](Index form, double unit, TermAt* to) {
+    for (const Term& t : s.form(form)) (to++)->factor = s.constants[idx(t.constant)] * unit;
+  };
+  for (std::size_t i = 0; i < sums_.size(); ++i) {
+    renew_terms(of_sums_[i].form, of_sums_[i].unit, sum_terms_.data() + sums_[i].begin);
+  }
+  for (std::size_t f = 0; f < of_forms_.size(); ++f) {
+    if (of_forms_[f] >= 0) renew_terms(of_forms_[f], 1, terms_.data() + form_start_[f]);
+  }
+  return std::all_of(parts_.begin(), parts_.end(), [this](const Part& p) { return renew_arm(p); });
 }
 
 // An output with all derivatives that is linear in coordinates.
@@ -294,15 +334,6 @@ class OutputProgram::Writer {
   Graph graph_;
 };
 
-std::vector<double> OutputProgram::numbers() const {
-  std::vector<double> all = {0};
-  for (const Motion& m : motions_) all.insert(all.end(), {m.factor, m.offset});
-  for (const Line& l : lines_) all.insert(all.end(), {l.factor, l.offset});
-  for (const TermAt& t : sum_terms_) all.push_back(t.factor);
-  for (const TermAt& t : terms_) all.push_back(t.factor);
-  return all;
-}
-
 bool OutputProgram::same_shape(const OutputProgram& o) const {
   const auto same = [](const auto& a, const auto& b) {
     return std::equal(a.begin(), a.end(), b.begin(), b.end(),
@@ -379,19 +410,30 @@ std::size_t OutputProgram::operations() const {
   return 3 * motions_.size() + lines_.size() + sum_terms_.size() + 3 * terms_.size() + kOfAngle * angles;
 }
 
-std::int32_t OutputProgram::add_arm(const Part& part, std::int32_t one) {
+std::int32_t OutputProgram::add_arm(const Part& part) {
   if (part.kind == MeasureForms::Kind::absolute_angle) return part.forms_begin;
+  if (!find_arm(part)) return -1;
+  const auto arm = static_cast<std::int32_t>(form_start_.size()) - 1;
+  for (const std::vector<TermAt>& terms : arm_terms_) {
+    terms_.insert(terms_.end(), terms.begin(), terms.end());
+    form_start_.push_back(static_cast<std::int32_t>(terms_.size()));
+    of_forms_.push_back(-1);
+  }
+  return arm;
+}
+
+bool OutputProgram::find_arm(const Part& part) {
   const std::int32_t count = dimension_;
   double constant[9] = {};  // of the forms that are constants
   bool is_constant[3] = {true, true, true};
   for (std::int32_t f = 0; f < part.forms_end - part.forms_begin; ++f) {
     for (const TermAt& t : terms_of(part.forms_begin + f)) {
-      is_constant[f / count] = is_constant[f / count] && t.address == one;
+      is_constant[f / count] = is_constant[f / count] && t.address == one_;
       constant[f] += t.factor;
     }
   }
   const bool from = is_constant[0], to = is_constant[1];
-  if (!is_constant[2] || from == to) return -1;
+  if (!is_constant[2] || from == to) return false;
   // The arm is linear in the other direction: its share of each of its components
   ArmOf<double> share[3];
   const std::int32_t moves = from ? count : 0;
@@ -401,18 +443,32 @@ std::int32_t OutputProgram::add_arm(const Part& part, std::int32_t one) {
     for (std::int32_t i = 0; i < count; ++i) forms[moves + i] = i == k ? 1 : 0;
     share[k] = arm_of<double>(part.kind, forms, dimension_);
   }
-  const auto arm = static_cast<std::int32_t>(form_start_.size()) - 1;
-  for (const auto along : {&ArmOf<double>::x, &ArmOf<double>::y}) {
+  for (const bool is_x : {true, false}) {
+    std::vector<TermAt>& terms = arm_terms_[is_x ? 0 : 1];
+    terms.clear();
     for (std::int32_t k = 0; k < count; ++k) {
-      const std::int32_t f = part.forms_begin + moves + k;
-      for (std::int32_t t = form_start_[idx(f)]; t < form_start_[idx(f) + 1]; ++t) {
-        const TermAt term = terms_[idx(t)];
-        if (share[k].*along != 0) terms_.push_back({term.address, term.factor * share[k].*along});
+      const double by = is_x ? share[k].x : share[k].y;
+      for (const TermAt& t : terms_of(part.forms_begin + moves + k)) {
+        if (by != 0) terms.push_back({t.address, t.factor * by});
       }
     }
-    form_start_.push_back(static_cast<std::int32_t>(terms_.size()));
   }
-  return arm;
+  return true;
+}
+
+// False if other terms take part.
+bool OutputProgram::renew_arm(const Part& part) {
+  if (part.arm < 0 || part.arm == part.forms_begin) return true;
+  if (!find_arm(part)) return false;
+  for (std::size_t i = 0; i < 2; ++i) {
+    TermAt* const to = terms_.data() + form_start_[idx(part.arm) + i];
+    const std::vector<TermAt>& terms = arm_terms_[i];
+    const auto like = [](const TermAt& a, const TermAt& b) { return a.is_like(b); };
+    const TermAt* const end = terms_.data() + form_start_[idx(part.arm) + i + 1];
+    if (!std::equal(terms.begin(), terms.end(), static_cast<const TermAt*>(to), end, like)) return false;
+    std::copy(terms.begin(), terms.end(), to);
+  }
+  return true;
 }
 
 void OutputProgram::mark(std::vector<std::uint8_t>& addresses) const {

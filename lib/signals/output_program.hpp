@@ -128,6 +128,9 @@ class OutputProgram {
     bind(system, address, wanted_outputs(system));
   }
   void bind(const System& system, std::span<const std::int32_t> address, const std::vector<Output>& outputs);
+  // Takes over the numbers of a system that differs from the last one in numbers only. False, with the program invalid,
+  // if it must be bound.
+  [[nodiscard]] bool renew(const System& system);
 
   // Evaluates outputs side by side that read neighbouring numbers of the state, as the lanes of a pack are. To be
   // called after mark(); bind() returns to one output after the other. size: of the state.
@@ -143,8 +146,17 @@ class OutputProgram {
   // Size of the terms of x and y: their rounding errors are relative to it.
   [[nodiscard]] double size_of_arm(std::size_t i, const double* q) const;
 
-  // The numbers of the mechanism. True if the step programs of another one differ in nothing else.
-  [[nodiscard]] std::vector<double> numbers() const;
+  // Calls use(number) for each of the numbers() of the mechanism, of which the first one is 0. True if the step
+  // programs of another one differ in nothing else.
+  template <class Use>
+  void each_number(const Use& use) const {
+    use(0.0);
+    for (const Motion& m : motions_) use(m.factor), use(m.offset);
+    for (const Line& l : lines_) use(l.factor), use(l.offset);
+    for (const TermAt& t : sum_terms_) use(t.factor);
+    for (const TermAt& t : terms_) use(t.factor);
+  }
+  [[nodiscard]] std::size_t numbers() const { return place_of_terms() + terms_.size(); }
   [[nodiscard]] bool same_shape(const OutputProgram& other) const;
   // Where a program has its numbers.
   enum class Numbers : std::uint8_t {
@@ -270,12 +282,19 @@ class OutputProgram {
   }
   void add(const System& system, std::span<const std::int32_t> address, const OutputPart& part,
            const std::array<std::int32_t, 3>& column);
-  // Part::arm of a signed angle. Adds the two forms if one direction, and in space the axis, is constant. one: address
-  // of the constant 1.
-  [[nodiscard]] std::int32_t add_arm(const Part& part, std::int32_t one);
+  // Part::arm of a signed angle. Adds the two forms if one direction, and in space the axis, is constant.
+  [[nodiscard]] std::int32_t add_arm(const Part& part);
+  // Finds the terms of these two forms, for x and y. False if there are none.
+  bool find_arm(const Part& part);
+  [[nodiscard]] bool renew_arm(const Part& part);
   // False if more than one coordinate takes part.
   bool add_line(const System& system, std::span<const std::int32_t> address, Index form, double unit,
                 const std::array<std::int32_t, 3>& column);
+  // A form of the system, whose numbers are those of an output, times the unit.
+  struct Source {
+    Index form;
+    double unit;
+  };
 
   // A column that is a constant and multiples of others.
   struct Total {
@@ -310,6 +329,9 @@ class OutputProgram {
   std::vector<std::int32_t> form_start_;
   std::vector<Part> parts_;
   std::vector<std::size_t> angles_;  // parts
+  std::vector<Source> of_motions_, of_lines_, of_sums_;
+  std::vector<Index> of_forms_;       // those in form_start_: forms of the system; -1: of an arm
+  std::vector<TermAt> arm_terms_[2];  // see find_arm()
 };
 
 }  // namespace assur

@@ -1,5 +1,6 @@
 #include "signals/output_steps.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "index.hpp"
@@ -43,21 +44,27 @@ OutputSteps::OutputSteps(std::span<const OutputProgram> outputs, std::shared_ptr
   });
 }
 
-void OutputSteps::bind(std::size_t used) {
-  used_ = used;
-  is_alike_ = true;
-  const std::size_t w = outputs_.size();
-  for (std::size_t lane = 0; lane < w; ++lane) {
-    const OutputProgram& program = outputs_[lane < used ? lane : 0];
-    is_alike_ = is_alike_ && program.same_shape(outputs_[0]);
-    if (!is_alike_) return;
-    const std::vector<double> numbers = program.numbers();
-    numbers_.resize(numbers.size() * w);
-    for (std::size_t i = 0; i < numbers.size(); ++i) numbers_[i * w + lane] = numbers[i];
+void OutputSteps::bind(std::size_t used, News news) {
+  if (news == News::all || !is_alike_ || used > compared_) {
+    is_alike_ = std::all_of(outputs_.begin(), outputs_.begin() + static_cast<std::ptrdiff_t>(used),
+                            [this](const OutputProgram& p) { return p.same_shape(outputs_[0]); });
+    compared_ = used;
   }
-  if (changed_ < kWorthCode || !code_) return;
-  if (auto by_code = code_->of(outputs_[0].change_step(), static_cast<int>(w))) changes_ = std::move(by_code);
-  code_ = nullptr;
+  const bool are_same = std::exchange(used_, used) == used && news == News::none;
+  if (!is_alike_) return;
+  if (changed_ >= kWorthCode && code_) {
+    if (auto by_code = code_->of(outputs_[0].change_step(), static_cast<int>(outputs_.size()))) {
+      changes_ = std::move(by_code);
+    }
+    code_ = nullptr;
+  }
+  if (are_same) return;
+  const std::size_t w = outputs_.size();
+  numbers_.resize(outputs_[0].numbers() * w);
+  for (std::size_t lane = 0; lane < w; ++lane) {
+    double* to = numbers_.data() + lane;
+    outputs_[lane < used ? lane : 0].each_number([&](double number) { *to = number, to += w; });
+  }
 }
 
 // The programs write to none of these.

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <vector>
@@ -21,9 +22,11 @@ class OutputSteps {
   // One program for each lane; they must outlive this object. code: null if there is none
   OutputSteps(std::span<const OutputProgram> outputs, std::shared_ptr<StepCode> code);
 
+  // What is new in the programs of the lanes.
+  enum class News : std::uint8_t { none, numbers, all };
   // To be called when programs of lanes have changed. used: number of lanes with mechanisms; the others repeat the
   // first.
-  void bind(std::size_t used);
+  void bind(std::size_t used, News news = News::all);
 
   // Computes the vectors of all angles(), see OutputProgram::arm(): x and then, from padded(angles x W) on, y; each
   // angles x W. False: they must be computed one by one.
@@ -45,7 +48,7 @@ class OutputSteps {
   void evaluate_one_by_one(const double* const (&state)[3], double* out, const double* turns, double* divisors);
 
   std::span<const OutputProgram> outputs_;
-  std::size_t used_ = 1;
+  std::size_t used_ = 1, compared_ = 0;            // compared_: lanes whose shapes were compared
   std::shared_ptr<const Executor> values_, arms_;  // null: they have nothing to do, or too much
   std::shared_ptr<const Executor> changes_;        // null: it was not needed yet
   std::shared_ptr<StepCode> code_;                 // for changes_, if they are needed often

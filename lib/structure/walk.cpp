@@ -580,7 +580,7 @@ bool drivers_hold(const System& s, const Way& way, const std::vector<double>& q,
     const DriverInput& in = s.inputs[i];
     const bool moves = std::any_of(way.change[i].begin(), way.change[i].end(), [](double c) { return c != 0; });
     if (!moves || in.kind == DriverInput::Kind::frame) continue;
-    if (why_undefined(s, in, q).empty() && !mismatch(s, in, q, kDriverSlack)) continue;
+    if (has_its_value(s, in, q, kDriverSlack)) continue;
     if (driver != nullptr) *driver = in.driver;
     return false;
   }

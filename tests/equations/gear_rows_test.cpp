@@ -120,8 +120,8 @@ std::vector<std::vector<double>> results(const Structure& s, const Group& g, con
     return out;
   };
   std::vector<double> constants, k((idx(one_coefficient(c)) + 1) * w, 1.0), x, h;
-  for (const Index i : g.constants) constants.push_back(s.system->constants[idx(i)]);
-  for (std::size_t l = 0; l < w; ++l) bind_coefficients(c, constants, k.data() + l, w);
+  for (const Index i : g.constants) constants.insert(constants.end(), w, s.system->constants[idx(i)]);
+  bind_coefficients(c, constants.data(), k.data(), w);
   for (const Index i : g.inputs) h.insert(h.end(), w, s.start[idx(i)]);
   for (const Index i : g.unknowns) {
     for (std::size_t l = 0; l < w; ++l) x.push_back(s.start[idx(i)] + 0.05 * any(random));

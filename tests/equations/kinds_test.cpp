@@ -203,6 +203,7 @@ class Pack {
         coefficients_(class_.coefficients.size() * w_) {
     std::mt19937 random(static_cast<unsigned>(lanes));
     std::uniform_real_distribution<double> unit(-1, 1);
+    std::vector<double> constants(group.constants.size() * w_);
     for (std::size_t l = 0; l < w_; ++l) {
       Lane lane{*structure.system, *structure.system, structure.start, {}, {}};
       for (std::size_t k = idx(kLiterals); k < lane.system.constants.size(); ++k)
@@ -216,11 +217,12 @@ class Pack {
         lane.rate[c] = unit(random);
         lane.acceleration[c] = unit(random);
       }
-      std::vector<double> constants;
-      for (const Index k : group.constants) constants.push_back(lane.system.constants[idx(k)]);
-      bind_coefficients(class_, constants, coefficients_.data() + l, w_);
+      for (std::size_t k = 0; k < group.constants.size(); ++k) {
+        constants[k * w_ + l] = lane.system.constants[idx(group.constants[k])];
+      }
       lanes_.push_back(std::move(lane));
     }
+    bind_coefficients(class_, constants.data(), coefficients_.data(), w_);
   }
 
   void check() {

@@ -46,8 +46,8 @@ TEST(ProgramCallback, IsEvaluatedInSiUnitsInEveryLane) {
       const auto w = static_cast<std::size_t>(lanes);
       const auto evaluator = make_evaluator(*s.system, c, lanes);
       std::vector<double> constants, k(c.coefficients.size() * w), inputs, unknowns;
-      for (const Index i : g.constants) constants.push_back(s.system->constants[idx(i)]);
-      for (std::size_t l = 0; l < w; ++l) bind_coefficients(c, constants, k.data() + l, w);
+      for (const Index i : g.constants) constants.insert(constants.end(), w, s.system->constants[idx(i)]);
+      bind_coefficients(c, constants.data(), k.data(), w);
       for (const Index i : g.inputs) inputs.insert(inputs.end(), w, s.start[idx(i)]);
       for (const Index i : g.unknowns) {
         for (std::size_t l = 0; l < w; ++l) unknowns.push_back(s.start[idx(i)] + 0.125 * static_cast<double>(l + 1));
@@ -107,7 +107,7 @@ TEST(ProgramCallback, EvaluatesPartOfItsRows) {
   const auto evaluator = make_evaluator(*s.system, c, 1);
   std::vector<double> constants, k(c.coefficients.size()), inputs, unknowns;
   for (const Index i : g.constants) constants.push_back(s.system->constants[idx(i)]);
-  bind_coefficients(c, constants, k.data(), 1);
+  bind_coefficients(c, constants.data(), k.data(), 1);
   for (const Index i : g.inputs) inputs.push_back(s.start[idx(i)]);
   for (const Index i : g.unknowns) unknowns.push_back(s.start[idx(i)] + 0.125);
   // One more value at the end, which must not be written.
@@ -141,8 +141,11 @@ TEST(Lipschitz, BoundsACircle) {
   const Structure s = structure(b.build(), groups);
   const Group& g = look::group(s, "P");
   std::vector<double> constants, l(2);
-  for (const Index k : g.constants) constants.push_back(s.system->constants[idx(k)]);
-  lipschitz(look::class_of(s, g), constants, l.data(), 1);
+  for (const Index i : g.constants) constants.push_back(s.system->constants[idx(i)]);
+  const GroupClass& c = look::class_of(s, g);
+  std::vector<double> k(c.coefficients.size());
+  bind_coefficients(c, constants.data(), k.data(), 1);
+  lipschitz(c, k.data(), l.data(), 1);
   EXPECT_EQ(l[0], 4);  // J = 2 (x, y): |2 dx| + |2 dy|
   EXPECT_EQ(l[1], 8);  // J = 2 (x - cx, y - cy); C moves as well
 }
@@ -156,9 +159,10 @@ TEST(Lipschitz, BoundsTheJacobian) {
       const Structure s = structure(sample(name), f);
       for (const Group& g : s.groups) {
         const GroupClass& c = look::class_of(s, g);
-        std::vector<double> constants, l(c.equations.size());
+        std::vector<double> constants, coefficients(c.coefficients.size()), l(c.equations.size());
         for (const Index k : g.constants) constants.push_back(s.system->constants[idx(k)]);
-        lipschitz(c, constants, l.data(), 1);
+        bind_coefficients(c, constants.data(), coefficients.data(), 1);
+        lipschitz(c, coefficients.data(), l.data(), 1);
         const auto moved = [&] {
           std::vector<double> q = s.start;
           for (const Index u : g.unknowns) q[idx(u)] += unit(random);

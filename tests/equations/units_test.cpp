@@ -15,7 +15,7 @@ std::vector<double> coefficients(const Structure& s, const Group& g) {
   const GroupClass& program = look::class_of(s, g);
   std::vector<double> constants, out(program.coefficients.size());
   for (const Index k : g.constants) constants.push_back(s.system->constants[static_cast<std::size_t>(k)]);
-  bind_coefficients(program, constants, out.data(), 1);
+  bind_coefficients(program, constants.data(), out.data(), 1);
   return out;
 }
 

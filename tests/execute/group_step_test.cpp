@@ -42,7 +42,7 @@ struct Setting {
       std::vector<double> constants;
       for (const std::int32_t k : g.constants) constants.push_back(s.system->constants[idx(k)]);
       at.coefficients.resize(group_class.coefficients.size());
-      bind_coefficients(group_class, constants, at.coefficients.data(), 1);
+      bind_coefficients(group_class, constants.data(), at.coefficients.data(), 1);
       for (std::int32_t k = 0; k < group_class.inputs; ++k) {
         const bool moves = group_class.input_moves[idx(k)] != 0;
         at.inputs.push_back(s.start[idx(g.inputs[idx(k)])] + (moves ? draw.real(-off, off) : 0));

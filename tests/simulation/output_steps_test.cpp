@@ -111,6 +111,24 @@ TEST(OutputSteps, HaveTheBitsOfEachMechanismAlone) {
   expect_bits_of_each_alone({sample("slider_crank")});
 }
 
+std::vector<double> numbers(const OutputProgram& program) {
+  std::vector<double> all;
+  program.each_number([&](double x) { all.push_back(x); });
+  EXPECT_EQ(all.size(), program.numbers());
+  return all;
+}
+
+TEST(OutputSteps, ARenewedProgramIsTheBoundOne) {
+  const Scene four_bar = read_scene(std::string(ASSUR_SOURCE_DIR) + "/scenes/four_bar.json");
+  for (const auto& scenes : {members(stewart(), "toe", {0.2, 0.21}), members(four_bar, "crank_length", {0.8, 0.79})}) {
+    const SideBySide s(scenes, 2);
+    OutputProgram renewed = s.outputs[0];
+    ASSERT_TRUE(renewed.renew(*s.prepared[1].structure->system));
+    EXPECT_TRUE(renewed.same_shape(s.outputs[1]));
+    EXPECT_EQ(numbers(renewed), numbers(s.outputs[1]));
+  }
+}
+
 // The constant direction of one member lies along an axis, so that terms of its angle vanish.
 TEST(OutputSteps, MechanismsMayHaveProgramsOfAnotherShape) {
   const Scene straight = parse_scene(R"({"assur": 1, "dimension": 2, "parameters": {"rise": 0},
@@ -125,6 +143,8 @@ TEST(OutputSteps, MechanismsMayHaveProgramsOfAnotherShape) {
   const SideBySide s({straight, tilted}, 2);
   EXPECT_FALSE(s.outputs[0].same_shape(s.outputs[1]));
   EXPECT_TRUE(s.outputs[0].same_shape(s.outputs[0]));
+  OutputProgram renewed = s.outputs[0];
+  EXPECT_FALSE(renewed.renew(*s.prepared[1].structure->system));
   expect_bits_of_each_alone({straight, tilted});
 }
 

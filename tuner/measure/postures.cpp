@@ -17,7 +17,8 @@ std::vector<double> gather(const std::vector<std::int32_t>& places, const std::v
 Posture posture(const Structure& structure, const GroupClass& group_class, const Group& group) {
   Posture out{std::vector<double>(group_class.coefficients.size()), gather(group.inputs, structure.start),
               gather(group.unknowns, structure.start)};
-  bind_coefficients(group_class, gather(group.constants, structure.system->constants), out.coefficients.data(), 1);
+  const std::vector<double> constants = gather(group.constants, structure.system->constants);
+  bind_coefficients(group_class, constants.data(), out.coefficients.data(), 1);
   return out;
 }
 
