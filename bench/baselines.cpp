@@ -180,7 +180,7 @@ class LegsByLibrary {
   void repeat_in_idle_lanes(const Pack& pack) {
     const int lanes = solver(pack).lanes();
     double* x = state_.at(0) + pack.unknowns;
-    for (std::int32_t i = 0; i < solver(pack).program().n; ++i, x += lanes) std::fill(x + pack.used, x + lanes, x[0]);
+    for (std::int32_t i = 0; i < solver(pack).group_class().n; ++i, x += lanes) std::fill(x + pack.used, x + lanes, x[0]);
   }
   bool drive(double t) {
     double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};

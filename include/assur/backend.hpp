@@ -108,6 +108,9 @@ class LinearSolver {
   // Extra work since analyze().
   [[nodiscard]] virtual Effort effort() const { return {}; }
 
+  // Makes this solver as it was after analyze(), without taking memory. False: a new solver must be made instead.
+  [[nodiscard]] virtual bool restart() { return false; }
+
   // Another solver for the same pattern and lanes, which shares analysis and pivot order with this one. Null if a new
   // solver would be as good.
   [[nodiscard]] virtual std::unique_ptr<LinearSolver> clone() const { return nullptr; }

@@ -43,6 +43,7 @@ class LanesSolver final : public LinearSolver {
   Status solve(std::span<double> b_to_x, int rhs, Transpose transpose, int first_wanted) override;
   Figures figures(int lane) const override;
   Effort effort() const override { return effort_; }
+  bool restart() override;
   std::unique_ptr<LinearSolver> clone() const override;
 
   // See elimination_of(). Null: there is none.
@@ -54,6 +55,7 @@ class LanesSolver final : public LinearSolver {
  private:
   // reserves: memory for pivots that are chosen later
   void prepare(std::shared_ptr<const Pattern> pattern, int lanes, bool reserves);
+  void begin();  // without pivots
   [[nodiscard]] std::uint32_t every_lane() const { return (1u << lanes_) - 1; }
   [[nodiscard]] std::uint32_t finite_lanes(std::span<const double> values);
   void choose_pivots(std::span<const double> values, std::uint32_t wanted);
@@ -101,20 +103,33 @@ void LanesSolver::prepare(std::shared_ptr<const Pattern> pattern, int lanes, boo
   factors_ = std::make_unique<Factors>(lanes, precision_);
   factors_->reserve(pattern_->n);
   memory_ = std::make_unique<PivotMemory>(pattern_->n, lanes, reserves ? w + 1 : 0);
-  effort_ = {};
-  all_served_ = false;
-  code_.assign(w, Code::singular);
-  server_.assign(w, -1);
   alone_.resize(w);
   if (memory_->is_reserved()) {
     for (auto& alone : alone_) alone = std::make_unique<LaneAlone>(pattern_, *memory_);
     lane_right_.reserve(w * kRightSides * static_cast<std::size_t>(pattern_->n));
   }
   lane_values_.resize(pattern_->row.size());
+  begin();
+}
+
+void LanesSolver::begin() {
+  const auto w = static_cast<std::size_t>(lanes_);
+  effort_ = {};
+  all_served_ = false;
+  code_.assign(w, Code::singular);
+  server_.assign(w, -1);
   lane_right_.clear();
   count_ = last_renewed_ = 0;
   last_redone_ = -kRecent;
   patience_ = kRecent;
+}
+
+bool LanesSolver::restart() {
+  if (!memory_ || !memory_->is_reserved()) return false;
+  factors_->forget();
+  for (const auto& alone : alone_) alone->forget();
+  begin();
+  return true;
 }
 
 std::unique_ptr<LinearSolver> LanesSolver::clone() const {

@@ -17,6 +17,11 @@ class LaneAlone {
   // Returns ok or singular. values: nnz, finite. Keeps the pivots of the last call while they are good; else chooses
   // new ones.
   [[nodiscard]] Code factorize(std::span<const double> values);
+  // Drops the pivots.
+  void forget() {
+    factors_.forget();
+    good_ = false;
+  }
   void solve(double* b_to_x, int rhs, Transpose transpose, int first_wanted) {
     factors_.solve(b_to_x, rhs, transpose, first_wanted);
   }

@@ -32,6 +32,8 @@ class Factors {
   void reserve(std::int32_t n);
   // Replaces the Elimination and drops its factors. Allocates memory unless it is reserved.
   void set_program(std::shared_ptr<const Elimination> program);
+  // Drops the Elimination and its factors.
+  void forget() { program_ = nullptr; }
   [[nodiscard]] const std::shared_ptr<const Elimination>& program() const { return program_; }
 
   [[nodiscard]] Alarms factorize(std::span<const double> values, const Limits& limits) {

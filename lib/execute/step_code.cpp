@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <mutex>
 #include <optional>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -18,15 +19,15 @@ constexpr std::size_t kMostKept = 64;  // steps of each kind; one has 8 kB of co
 template <class Key, class Code>
 class Recent {
  public:
-  // make(): none if there is no time for it
-  template <class Make>
-  Code of(const Key& key, int lanes, const Make& make) {
+  // key: parts of a Key. make(): none if there is no time for it
+  template <class Make, class... Parts>
+  Code of(int lanes, const Make& make, const Parts&... key) {
     const auto found = std::find_if(entries_.begin(), entries_.end(),
-                                    [&](const Entry& e) { return e.lanes == lanes && e.key == key; });
+                                    [&](const Entry& e) { return e.lanes == lanes && e.key == std::tie(key...); });
     if (found != entries_.end()) return found->code;
     std::optional<Code> code = make();
     if (!code) return {};
-    Entry made{key, lanes, std::move(*code)};
+    Entry made{Key(key...), lanes, std::move(*code)};
     if (entries_.size() < kMostKept) return entries_.emplace_back(std::move(made)).code;
     oldest_ = (oldest_ + 1) % kMostKept;
     return (entries_[oldest_] = std::move(made)).code;
@@ -48,9 +49,9 @@ struct Codes {
 
   const VectorCode vectors;
   std::mutex mutex;
-  Recent<GroupClass, CodeOfStep> of_groups;
-  Recent<std::pair<GroupClass, lanes::Elimination>, CodeOfClass> of_classes;
-  Recent<StepProgram, std::shared_ptr<const Executor>> of_programs;
+  Recent<std::tuple<GroupClass>, CodeOfStep> of_groups;
+  Recent<std::tuple<GroupClass, lanes::Elimination>, CodeOfClass> of_classes;
+  Recent<std::tuple<StepProgram>, std::shared_ptr<const Executor>> of_programs;
 };
 
 // Their user, which may make some more.
@@ -62,18 +63,19 @@ class SharedCode final : public StepCode {
 
   CodeOfStep of(const GroupClass& group_class, std::span<const std::int32_t> reads, int lanes) override {
     const std::lock_guard lock(all_.mutex);
-    return all_.of_groups.of(group_class, lanes, [&]() -> std::optional<CodeOfStep> {
+    const auto write = [&]() -> std::optional<CodeOfStep> {
       if (left_ == 0) return std::nullopt;
       const GroupProgram step = group_step(group_class, reads);
       auto executor = make(step.program, lanes);
       if (!executor) return std::nullopt;
       return CodeOfStep{std::move(*executor), step.work};
-    });
+    };
+    return all_.of_groups.of(lanes, write, group_class);
   }
   CodeOfClass of(const GroupClass& group_class, const lanes::Elimination& elimination,
                  std::span<const std::int32_t> reads, int lanes, bool makes) override {
     const std::lock_guard lock(all_.mutex);
-    return all_.of_classes.of({group_class, elimination}, lanes, [&]() -> std::optional<CodeOfClass> {
+    const auto write = [&]() -> std::optional<CodeOfClass> {
       if (!makes || left_ == 0) return std::nullopt;
       if (!is_short(elimination, kMostInstructions)) return CodeOfClass{};
       auto step = make(class_step(group_class, elimination, reads), lanes);
@@ -85,11 +87,13 @@ class SharedCode final : public StepCode {
       auto changes = make(class_changes(group_class, elimination), lanes);
       return CodeOfClass{std::move(*step), anchor.value_or(nullptr), factors.value_or(nullptr),
                          changes.value_or(nullptr)};
-    });
+    };
+    return all_.of_classes.of(lanes, write, group_class, elimination);
   }
   std::shared_ptr<const Executor> of(const StepProgram& program, int lanes) override {
     const std::lock_guard lock(all_.mutex);
-    return all_.of_programs.of(program, lanes, [&] { return make(program, lanes); });
+    return all_.of_programs.of(
+        lanes, [&] { return make(program, lanes); }, program);
   }
 
  private:

@@ -57,10 +57,11 @@ void JacobianSolver::restart(bool alike) {
 void JacobianSolver::choose(Pack& pack) {
   solver_ = shared_.get();
   if (!own_solvers_) return;
-  if (!pack.solver) {
+  if (!pack.solver || pack.restarts) {
     const LinearSolver* const like = pack.pivots ? pack.pivots.get() : alike_ ? first_ : nullptr;
     if (like != nullptr) pack.solver = like->clone();
-    if (!pack.solver) pack.solver = make();
+    if (!pack.solver || (like == nullptr && !pack.solver->restart())) pack.solver = make();
+    pack.restarts = false;
     if (first_ == nullptr) first_ = pack.solver.get();
   }
   solver_ = pack.solver.get();

@@ -44,6 +44,7 @@ struct Pack {
   Kept kept;
   std::unique_ptr<LinearSolver> solver;  // own solver; null: the packs of the class share one
   std::unique_ptr<LinearSolver> pivots;  // own solvers are clones of it; null: of that of the first pack of the class
+  bool restarts = false;                 // the solver begins anew before it is used
   bool factored = false;                 // +reuse=run: `solver` holds factors of an earlier posture
   // Machine code of the class, if there is some, which serves as long as `solver` eliminates in this way.
   CodeOfClass machine_code;

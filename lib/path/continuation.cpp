@@ -165,7 +165,7 @@ void Continuation::start(double time, const std::vector<double>& posture, const 
 void Continuation::restart_solvers() {
   levels_.restart();
   for (Pack& pack : packs_) {
-    pack.solver.reset();
+    pack.restarts = true;
     pack.factored = false;
   }
   forget_guards();

@@ -90,7 +90,7 @@ Effort Levels::effort() const {
     for (const auto& s : solvers) sum += s->effort();
   }
   for (const Pack& pack : packs_) {
-    if (pack.solver) sum += pack.solver->effort();
+    if (pack.solver && !pack.restarts) sum += pack.solver->effort();
   }
   return sum;
 }

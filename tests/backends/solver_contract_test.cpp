@@ -64,6 +64,40 @@ TEST_P(SolverContract, EveryLaneOfEveryCaseHasTheExpectedStatus) {
   }
 }
 
+// After restart(), a solver gives the bits of a new one, whatever it solved before.
+TEST_P(SolverContract, ARestartedSolverIsANewOne) {
+  int restarted = 0;
+  for (const Case& c : cases()) {
+    SCOPED_TRACE(c.name);
+    std::vector<std::vector<double>> values, others;
+    Matrix matrix;
+    for (int lane = 0; lane < lanes_; ++lane) {
+      matrix = c.lane(random_);
+      values.push_back(matrix.values);
+      others.push_back(c.lane(random_).values);
+    }
+    const std::vector<double> b = right_sides(matrix.pattern.n, 2, lanes_, random_);
+    std::vector<std::vector<double>> solutions;
+    for (const bool used : {false, true}) {
+      solver_ = make_solver(backend_, ThreadBudget{}, precision(mode_), refines(mode_));
+      ASSERT_TRUE(solver_->analyze(matrix.pattern, lanes_).ok());
+      if (used) {
+        for (int k = 0; k < 3; ++k) (void)solver_->factorize(interleave(others));
+        if (!solver_->restart()) break;  // a new solver is needed
+        ++restarted;
+      }
+      const Status s = solver_->factorize(interleave(values));
+      std::vector<double>& x = solutions.emplace_back(b);
+      if (!s.ok() || !solver_->solve(x, 2).ok()) x.assign(1, static_cast<double>(s.code));
+      x.push_back(static_cast<double>(solver_->effort().redone));
+    }
+    if (solutions.size() == 2) {
+      EXPECT_EQ(solutions[0], solutions[1]);
+    }
+  }
+  EXPECT_EQ(restarted > 0, backend_.id == "lanes");
+}
+
 void SolverContract::check_case(const Case& c) {
   std::vector<std::vector<double>> values;
   matrices_.clear();
