@@ -11,12 +11,11 @@ HWY_BEFORE_NAMESPACE();
 namespace assur::HWY_NAMESPACE {
 namespace {
 
-void evaluate(std::span<const FormRow> rows, const FormTerm* terms, const double* const (&state)[3], double constant,
-              double* out) {
+void evaluate(std::span<const FormRow> rows, const FormTerm* terms, const double* const (&state)[3], double* out) {
   using L = Lanes<kFormLanes>;
   double sums[3][kFormLanes];
   for (const FormRow& row : rows) {
-    L value = L::set(constant) * L::load(row.offset), rate = L::set(0), acceleration = L::set(0);
+    L value = L::set(0), rate = L::set(0), acceleration = L::set(0);
     for (const FormTerm* t = terms + row.begin; t != terms + row.end; ++t) {
       const L factor = L::load(t->factor);  // products are rounded, as those of single forms
       value = value + factor * load_input<kFormLanes>(t->coordinate, state[0]);

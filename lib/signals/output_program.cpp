@@ -33,8 +33,6 @@ void OutputProgram::bind(const System& s, std::span<const std::int32_t> address,
   one_ = address[kOne];
   rows_.clear();
   row_terms_.clear();
-  motions_.clear();
-  lines_.clear();
   sums_.clear();
   sum_terms_.clear();
   terms_.clear();
@@ -43,8 +41,6 @@ void OutputProgram::bind(const System& s, std::span<const std::int32_t> address,
   angles_.clear();
   totals_.clear();
   total_terms_.clear();
-  of_motions_.clear();
-  of_lines_.clear();
   of_sums_.clear();
   of_forms_.clear();
   std::int32_t next = 0;                                               // column
@@ -83,7 +79,6 @@ void OutputProgram::add(const System& s, std::span<const std::int32_t> address, 
     return TermAt{address[static_cast<std::size_t>(t.coordinate)], s.constants[static_cast<std::size_t>(t.constant)]};
   };
   const double unit = s.unit(m.dimension);
-  if (m.kind == MeasureForms::Kind::form && add_line(s, address, m.forms[0], unit, column)) return;
   if (m.kind == MeasureForms::Kind::form) {
     const auto begin = static_cast<std::int32_t>(sum_terms_.size());
     for (const Term& t : s.form(m.forms[0])) {
@@ -110,51 +105,8 @@ void OutputProgram::add(const System& s, std::span<const std::int32_t> address, 
   parts_.push_back(part);
 }
 
-namespace {
-
-// A form as offset + factor * coordinate, times the unit, a power of two. False if more than one coordinate takes part.
-bool find_line(const System& s, Index form, double unit, Index& coordinate, double& factor, double& offset) {
-  coordinate = kOne;
-  factor = offset = 0;
-  for (const Term& t : s.form(form)) {
-    const double by = s.constants[static_cast<std::size_t>(t.constant)] * unit;
-    if (t.coordinate == kOne) {
-      offset += by;
-      continue;
-    }
-    if (coordinate != kOne) return false;
-    coordinate = t.coordinate;
-    factor = by;
-  }
-  return true;
-}
-
-}  // namespace
-
-bool OutputProgram::add_line(const System& s, std::span<const std::int32_t> address, Index form, double unit,
-                             const std::array<std::int32_t, 3>& column) {
-  Line line{0, column, 0, 0};
-  Index coordinate = kOne;
-  if (!find_line(s, form, unit, coordinate, line.factor, line.offset)) return false;
-  line.address = address[idx(coordinate)];
-  if (std::all_of(column.begin(), column.end(), [](std::int32_t c) { return c >= 0; })) {
-    motions_.push_back({line.address, column[0], column[1] - column[0], line.factor, line.offset});
-    of_motions_.push_back({form, unit});
-  } else {
-    lines_.push_back(line);
-    of_lines_.push_back({form, unit});
-  }
-  return true;
-}
-
 bool OutputProgram::renew(const System& s) {
   if (!rows_.empty() || !totals_.empty()) return false;
-  Index coordinate = kOne;
-  const auto renew_line = [&](const Source& of, auto& line) {
-    (void)find_line(s, of.form, of.unit, coordinate, line.factor, line.offset);
-  };
-  for (std::size_t i = 0; i < motions_.size(); ++i) renew_line(of_motions_[i], motions_[i]);
-  for (std::size_t i = 0; i < lines_.size(); ++i) renew_line(of_lines_[i], lines_[i]);
   const auto renew_terms = [&](Index form, double unit, TermAt* to) {
     for (const Term& t : s.form(form)) (to++)->factor = s.constants[idx(t.constant)] * unit;
   };
@@ -169,9 +121,9 @@ bool OutputProgram::renew(const System& s) {
 
 // An output with all derivatives that is linear in coordinates.
 struct OutputProgram::Form {
-  std::size_t number;  // among motions_, then sums_
+  std::size_t number;  // among sums_
   std::int32_t column, step;
-  double offset;
+  std::int32_t first;  // address of the first coordinate
   std::vector<TermAt> terms;
 };
 
@@ -207,30 +159,26 @@ struct OutputProgram::Neighbours {
 
 void OutputProgram::find_rows(std::size_t size) {
   std::vector<Form> forms;
-  for (const Motion& m : motions_) forms.push_back({forms.size(), m.column, m.step, m.offset, {{m.address, m.factor}}});
   for (std::size_t i = 0; i < sums_.size(); ++i) {
     const Sum& s = sums_[i];
-    if (*std::min_element(s.column.begin(), s.column.end()) < 0) continue;
     const auto terms = std::span(sum_terms_).subspan(idx(s.begin), idx(s.end - s.begin));
-    forms.push_back({motions_.size() + i, s.column[0], s.column[1] - s.column[0], 0, {terms.begin(), terms.end()}});
+    const auto first = std::find_if(terms.begin(), terms.end(), [&](const TermAt& t) { return t.address != one_; });
+    if (first == terms.end() || *std::min_element(s.column.begin(), s.column.end()) < 0) continue;
+    forms.push_back({i, s.column[0], s.column[1] - s.column[0], first->address, {terms.begin(), terms.end()}});
   }
-  std::stable_sort(forms.begin(), forms.end(),
-                   [](const Form& a, const Form& b) { return a.terms[0].address < b.terms[0].address; });
+  std::stable_sort(forms.begin(), forms.end(), [](const Form& a, const Form& b) { return a.first < b.first; });
   std::vector<Neighbours> all;
   for (const Form& form : forms) {
     const auto oldest = std::ssize(all) < kOpenRows ? all.begin() : all.end() - kOpenRows;
     if (std::none_of(oldest, all.end(), [&](Neighbours& n) { return n.take(form); })) all.push_back({{&form}, {}});
   }
-  std::vector<std::uint8_t> in_row(motions_.size() + sums_.size(), 0);
+  std::vector<std::uint8_t> in_row(sums_.size(), 0);
   for (const Neighbours& n : all) {
     if (!n.is_row(size)) continue;
     add_row(n);
     for (const Form* f : n.forms) in_row[f->number] = 1;
   }
-  const std::size_t motions = motions_.size();
-  std::erase_if(motions_, [&](const Motion& m) { return in_row[static_cast<std::size_t>(&m - motions_.data())] != 0; });
-  std::erase_if(sums_,
-                [&](const Sum& s) { return in_row[motions + static_cast<std::size_t>(&s - sums_.data())] != 0; });
+  std::erase_if(sums_, [&](const Sum& s) { return in_row[static_cast<std::size_t>(&s - sums_.data())] != 0; });
 }
 
 void OutputProgram::add_row(const Neighbours& n) {
@@ -246,10 +194,7 @@ void OutputProgram::add_row(const Neighbours& n) {
     row_terms_.push_back(term);
   }
   row.end = static_cast<std::int32_t>(row_terms_.size());
-  for (std::size_t l = 0; l < n.forms.size(); ++l) {
-    row.column[l] = n.forms[l]->column;
-    row.offset[l] = n.forms[l]->offset;
-  }
+  for (std::size_t l = 0; l < n.forms.size(); ++l) row.column[l] = n.forms[l]->column;
   rows_.push_back(row);
 }
 
@@ -274,9 +219,6 @@ class OutputProgram::Writer {
   // Every sum begins with it, so that no output is -0.
   [[nodiscard]] Value zero() { return load(Memory::factors, 0); }
   // place: among numbers()
-  [[nodiscard]] Value begin(std::size_t place, double offset, std::size_t d) {
-    return d > 0 || (!side_by_side_ && offset == 0) ? zero() : number(place, offset);
-  }
   [[nodiscard]] Value add(const Value& sum, std::size_t place, const TermAt& term, std::size_t d,
                           const Source& of = kState) {
     if (term.address == of_.one_) return d > 0 || of == kChange ? sum : sum + number(place, term.factor);
@@ -302,16 +244,6 @@ class OutputProgram::Writer {
   void each_linear(const Source& source, const Put& put) {
     for (std::size_t d = 0; d < 3; ++d) {
       std::size_t place = 1;
-      const auto offset = [&](double of) { return source == kState ? begin(place + 1, of, d) : zero(); };
-      for (const Motion& m : of_.motions_) {
-        put(m.column + static_cast<std::int32_t>(d) * m.step,
-            add(offset(m.offset), place, {m.address, m.factor}, d, source));
-        place += 2;
-      }
-      for (const Line& l : of_.lines_) {
-        put(l.column[d], add(offset(l.offset), place, {l.address, l.factor}, d, source));
-        place += 2;
-      }
       for (const Sum& sum : of_.sums_) {
         Value total = zero();
         for (std::int32_t t = sum.begin; t < sum.end; ++t)
@@ -339,9 +271,8 @@ bool OutputProgram::same_shape(const OutputProgram& o) const {
     return std::equal(a.begin(), a.end(), b.begin(), b.end(),
                       [](const auto& x, const auto& y) { return x.is_like(y); });
   };
-  return dimension_ == o.dimension_ && same(motions_, o.motions_) && same(lines_, o.lines_) && same(sums_, o.sums_) &&
-         same(sum_terms_, o.sum_terms_) && same(terms_, o.terms_) && form_start_ == o.form_start_ &&
-         same(parts_, o.parts_);
+  return dimension_ == o.dimension_ && same(sums_, o.sums_) && same(sum_terms_, o.sum_terms_) &&
+         same(terms_, o.terms_) && form_start_ == o.form_start_ && same(parts_, o.parts_);
 }
 
 StepProgram OutputProgram::output_step(Numbers numbers) const {
@@ -407,7 +338,7 @@ std::size_t OutputProgram::operations() const {
   constexpr std::size_t kOfAngle = 150;
   const auto angles = static_cast<std::size_t>(
       std::count_if(parts_.begin(), parts_.end(), [](const Part& p) { return p.is_signed_angle(); }));
-  return 3 * motions_.size() + lines_.size() + sum_terms_.size() + 3 * terms_.size() + kOfAngle * angles;
+  return 3 * (sum_terms_.size() + terms_.size()) + kOfAngle * angles;
 }
 
 std::int32_t OutputProgram::add_arm(const Part& part) {
@@ -472,8 +403,6 @@ bool OutputProgram::renew_arm(const Part& part) {
 }
 
 void OutputProgram::mark(std::vector<std::uint8_t>& addresses) const {
-  for (const Motion& m : motions_) addresses[static_cast<std::size_t>(m.address)] = 1;
-  for (const Line& l : lines_) addresses[static_cast<std::size_t>(l.address)] = 1;
   for (const TermAt& t : terms_) addresses[static_cast<std::size_t>(t.address)] = 1;
   for (const TermAt& t : sum_terms_) addresses[static_cast<std::size_t>(t.address)] = 1;
 }
@@ -513,7 +442,7 @@ double OutputProgram::size_of_arm(std::size_t i, const double* q) const {
 void OutputProgram::evaluate(const double* const (&state)[3], double* out, const double* turns, double* divisors,
                              std::size_t part, std::size_t parts) const {
   const std::span<const Part> among = share(parts_, part, parts);
-  evaluate_linear(state, out, 1, part, parts);
+  evaluate_linear(state, out, part, parts);
   evaluate_angles(state, out, turns, divisors, among);
   evaluate_others(state, out, divisors, 1, among);
 }
@@ -569,7 +498,7 @@ void OutputProgram::evaluate_angles(const double* const (&state)[3], double* out
 
 void OutputProgram::differentiate(const double* const (&state)[3], const double* const (&change)[3], RandomSign* sign,
                                   double* out) const {
-  evaluate_linear(change, out, 0, 0, 1);
+  evaluate_linear(change, out, 0, 1);
   for (const Part& measure : parts_) differentiate(measure, state, change, sign, out, 1);
   add_up_changes(out);
 }
@@ -632,23 +561,9 @@ void OutputProgram::add_up(double* out, double constant) const {
   }
 }
 
-// constant: factor of the offsets.
-void OutputProgram::evaluate_linear(const double* const (&state)[3], double* out, double constant, std::size_t part,
+void OutputProgram::evaluate_linear(const double* const (&state)[3], double* out, std::size_t part,
                                     std::size_t parts) const {
-  if (!rows_.empty()) evaluate_rows_(share(rows_, part, parts), row_terms_.data(), state, constant, out);
-  const double *const q = state[0], *const rate = state[1], *const acceleration = state[2];
-  for (const Motion& m : share(motions_, part, parts)) {
-    const std::size_t at = idx(m.address), step = idx(m.step);
-    double* const to = out + m.column;
-    to[0] = constant * m.offset + m.factor * q[at];
-    to[step] = 0 + m.factor * rate[at];  // not -0, as in rows_
-    to[2 * step] = 0 + m.factor * acceleration[at];
-  }
-  for (const Line& l : share(lines_, part, parts)) {
-    for (std::size_t d = 0; d < 3; ++d) {
-      if (l.column[d] >= 0) out[l.column[d]] = (d == 0 ? constant * l.offset : 0) + l.factor * state[d][l.address];
-    }
-  }
+  if (!rows_.empty()) evaluate_rows_(share(rows_, part, parts), row_terms_.data(), state, out);
   for (const Sum& sum : share(sums_, part, parts)) {
     double total[3] = {};
     for (std::int32_t t = sum.begin; t < sum.end; ++t) {

@@ -151,8 +151,6 @@ class OutputProgram {
   template <class Use>
   void each_number(const Use& use) const {
     use(0.0);
-    for (const Motion& m : motions_) use(m.factor), use(m.offset);
-    for (const Line& l : lines_) use(l.factor), use(l.offset);
     for (const TermAt& t : sum_terms_) use(t.factor);
     for (const TermAt& t : terms_) use(t.factor);
   }
@@ -228,25 +226,7 @@ class OutputProgram {
              column == o.column && angle == o.angle && arm == o.arm;
     }
   };
-  // An output with all derivatives that is linear in one coordinate, in SI units: offset + factor * coordinate.
-  struct Motion {
-    std::int32_t address, column;  // column of the value
-    std::int32_t step;             // from there to the rate, and to the acceleration
-    double factor, offset;
-
-    [[nodiscard]] bool is_like(const Motion& o) const {
-      return address == o.address && column == o.column && step == o.step;
-    }
-  };
-  // The same with some of the derivatives.
-  struct Line {
-    std::int32_t address;
-    std::array<std::int32_t, 3> column;  // of value, rate, acceleration; -1: not wanted
-    double factor, offset;
-
-    [[nodiscard]] bool is_like(const Line& o) const { return address == o.address && column == o.column; }
-  };
-  // An output that is linear in several coordinates: terms in SI units, the same for value, rate and acceleration.
+  // An output that is linear in coordinates: terms in SI units, the same for value, rate and acceleration.
   struct Sum {
     std::int32_t begin, end;
     std::array<std::int32_t, 3> column;  // -1: not wanted
@@ -256,8 +236,7 @@ class OutputProgram {
   struct Form;
   struct Neighbours;
   void add_row(const Neighbours& neighbours);
-  void evaluate_linear(const double* const (&state)[3], double* out, double constant, std::size_t part,
-                       std::size_t parts) const;
+  void evaluate_linear(const double* const (&state)[3], double* out, std::size_t part, std::size_t parts) const;
   void evaluate_forms(const Part& measure, const double* const (&state)[3], Jet<double> (&forms)[9]) const;
   [[nodiscard]] Jet<double> jet_of(std::int32_t form, const double* const (&state)[3]) const;
   [[nodiscard]] Jet<double> size_of_terms(std::int32_t form, const double* const (&state)[3]) const;
@@ -287,9 +266,6 @@ class OutputProgram {
   // Finds the terms of these two forms, for x and y. False if there are none.
   bool find_arm(const Part& part);
   [[nodiscard]] bool renew_arm(const Part& part);
-  // False if more than one coordinate takes part.
-  bool add_line(const System& system, std::span<const std::int32_t> address, Index form, double unit,
-                const std::array<std::int32_t, 3>& column);
   // A form of the system, whose numbers are those of an output, times the unit.
   struct Source {
     Index form;
@@ -308,9 +284,7 @@ class OutputProgram {
   };
   void add_up(double* out, double constant) const;
   class Writer;
-  [[nodiscard]] std::size_t place_of_terms() const {  // among numbers()
-    return 1 + 2 * motions_.size() + 2 * lines_.size() + sum_terms_.size();
-  }
+  [[nodiscard]] std::size_t place_of_terms() const { return 1 + sum_terms_.size(); }  // among numbers()
 
   const AngleKernels* kernels_ = &angle_kernels();
   EvaluateForms evaluate_rows_ = assur::evaluate_forms();
@@ -321,15 +295,13 @@ class OutputProgram {
   std::vector<TotalTerm> total_terms_;
   std::vector<FormRow> rows_;
   std::vector<FormTerm> row_terms_;
-  std::vector<Motion> motions_;
-  std::vector<Line> lines_;
   std::vector<Sum> sums_;
   std::vector<TermAt> sum_terms_;
   std::vector<TermAt> terms_;
   std::vector<std::int32_t> form_start_;
   std::vector<Part> parts_;
   std::vector<std::size_t> angles_;  // parts
-  std::vector<Source> of_motions_, of_lines_, of_sums_;
+  std::vector<Source> of_sums_;
   std::vector<Index> of_forms_;       // those in form_start_: forms of the system; -1: of an arm
   std::vector<TermAt> arm_terms_[2];  // see find_arm()
 };
