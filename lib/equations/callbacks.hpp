@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "equations/program.hpp"
+#include "equations/coefficients.hpp"
 #include "scene/system.hpp"
 
 namespace assur {

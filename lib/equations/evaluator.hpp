@@ -5,7 +5,7 @@
 #include <memory>
 #include <span>
 
-#include "equations/program.hpp"
+#include "equations/coefficients.hpp"
 #include "scene/system.hpp"
 
 namespace assur {

@@ -14,7 +14,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "equations/program.hpp"
+#include "equations/coefficients.hpp"
 #include "index.hpp"
 #include "numbers.hpp"
 #include "scene/gear.hpp"

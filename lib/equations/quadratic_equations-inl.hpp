@@ -14,8 +14,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "equations/coefficients.hpp"
 #include "equations/gear_rows-inl.hpp"
-#include "equations/program.hpp"
 #include "index.hpp"
 #include "scene/residual_scale.hpp"
 

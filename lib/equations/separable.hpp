@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-#include "equations/program.hpp"
+#include "equations/coefficients.hpp"
 
 namespace assur {
 

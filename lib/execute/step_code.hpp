@@ -9,7 +9,7 @@
 
 #include "assur/structure.hpp"
 #include "backends/lanes_elimination.hpp"
-#include "equations/program.hpp"
+#include "equations/coefficients.hpp"
 #include "execute/executor.hpp"
 
 namespace assur {

@@ -7,7 +7,7 @@
 #include <memory>
 #include <span>
 
-#include "equations/program.hpp"
+#include "equations/coefficients.hpp"
 
 namespace assur {
 

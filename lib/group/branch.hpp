@@ -23,7 +23,7 @@
 
 #include "assur/backend.hpp"
 #include "assur/structure.hpp"
-#include "equations/program.hpp"
+#include "equations/coefficients.hpp"
 #include "group/box_test.hpp"
 #include "numbers.hpp"
 

@@ -51,8 +51,9 @@ class GroupSolver {
     for (std::size_t lane = 0; lane < w; ++lane) {
       const auto& [system, group] = of(lane);
       constants_.resize(group.constants.size() * w);
-      double* to = constants_.data() + lane;
-      for (const std::int32_t k : group.constants) *to = system.constants[static_cast<std::size_t>(k)], to += w;
+      for (std::size_t k = 0; k < group.constants.size(); ++k) {
+        constants_[k * w + lane] = system.constants[static_cast<std::size_t>(group.constants[k])];
+      }
     }
     bind_coefficients(work_.group_class, constants_.data(), pack.coefficients.data(), w);
     lipschitz(work_.group_class, pack.coefficients.data(), pack.lipschitz.data(), w);

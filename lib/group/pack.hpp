@@ -10,8 +10,8 @@
 
 #include "assur/backend.hpp"
 #include "backends/lanes_elimination.hpp"
+#include "equations/coefficients.hpp"
 #include "equations/lane_array.hpp"
-#include "equations/program.hpp"
 #include "execute/step_code.hpp"
 #include "group/pack_kernels.hpp"
 

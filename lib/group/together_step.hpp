@@ -7,7 +7,7 @@
 #include <span>
 
 #include "assur/structure.hpp"
-#include "equations/program.hpp"
+#include "equations/coefficients.hpp"
 #include "execute/step_code.hpp"
 #include "program/slopes.hpp"
 #include "program/together_step.hpp"

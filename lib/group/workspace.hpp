@@ -7,9 +7,9 @@
 #include <span>
 
 #include "assur/structure.hpp"
+#include "equations/coefficients.hpp"
 #include "equations/evaluator.hpp"
 #include "equations/lane_array.hpp"
-#include "equations/program.hpp"
 #include "group/pack.hpp"
 #include "group/pack_kernels.hpp"
 #include "index.hpp"

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "backends/lanes_elimination.hpp"
-#include "equations/program.hpp"
+#include "equations/coefficients.hpp"
 
 namespace assur {
 namespace {

@@ -3,7 +3,7 @@
 #include <hwy/targets.h>
 
 #include "backends/small_steps.hpp"
-#include "equations/program.hpp"
+#include "equations/coefficients.hpp"
 #include "equations/separable.hpp"
 #include "program/needs.hpp"
 

@@ -10,7 +10,7 @@
 
 #include "assur/structure.hpp"
 #include "backends/lanes_elimination.hpp"
-#include "equations/program.hpp"
+#include "equations/coefficients.hpp"
 #include "program/group_step.hpp"
 
 namespace assur {

@@ -15,7 +15,7 @@
 #include <cstdint>
 
 #include "assur/structure.hpp"
-#include "equations/program.hpp"
+#include "equations/coefficients.hpp"
 #include "index.hpp"
 
 HWY_BEFORE_NAMESPACE();

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "assur/structure.hpp"
-#include "equations/program.hpp"
+#include "equations/coefficients.hpp"
 #include "equations/separable.hpp"
 #include "index.hpp"
 

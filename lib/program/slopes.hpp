@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "equations/program.hpp"
+#include "equations/coefficients.hpp"
 #include "equations/separable.hpp"
 
 namespace assur {

@@ -14,7 +14,7 @@
 #include <span>
 
 #include "assur/structure.hpp"
-#include "equations/program.hpp"
+#include "equations/coefficients.hpp"
 #include "program/group_step.hpp"
 #include "program/slopes.hpp"
 #include "program/step_program.hpp"

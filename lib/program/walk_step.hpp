@@ -6,7 +6,7 @@
 #include <cstddef>
 
 #include "backends/lanes_elimination.hpp"
-#include "equations/program.hpp"
+#include "equations/coefficients.hpp"
 #include "program/step_program.hpp"
 
 namespace assur {

@@ -108,8 +108,9 @@ void WalkInLanes::set(std::size_t lane, const System& numbers, std::span<const d
   lanes_[lane] = {Stage::closing, drivers_move};
   for (std::size_t c = 0; c < drawing.size(); ++c) from_[c * w_ + lane] = drawing[c];
   for (Part& part : parts_) {
-    double* to = part.numbers.data() + lane;
-    for (const std::int32_t k : part.constants) *to = numbers.constants[idx(k)], to += w_;
+    for (std::size_t k = 0; k < part.constants.size(); ++k) {
+      part.numbers[k * w_ + lane] = numbers.constants[idx(part.constants[k])];
+    }
   }
 }
 

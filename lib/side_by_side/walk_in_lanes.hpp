@@ -10,8 +10,8 @@
 #include <span>
 #include <vector>
 
+#include "equations/coefficients.hpp"
 #include "equations/lane_array.hpp"
-#include "equations/program.hpp"
 #include "execute/step_code.hpp"
 #include "scene/system.hpp"
 #include "structure/walk.hpp"

@@ -1,5 +1,5 @@
 // Residuals and Jacobian of equations at a posture, dense or sparse, for the analysis of structures. The simulation
-// uses programs instead (equations/program.hpp).
+// uses programs instead (equations/coefficients.hpp).
 #pragma once
 
 #include <Eigen/Dense>

@@ -1,5 +1,5 @@
 // Programs: callbacks, Lipschitz constants, sharing. kinds_test.cpp compares programs with the system.
-#include "equations/program.hpp"
+#include "equations/coefficients.hpp"
 
 #include <gtest/gtest.h>
 

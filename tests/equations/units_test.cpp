@@ -1,7 +1,7 @@
 // Scaling all lengths of a scene by a power of two keeps its equations bitwise.
 #include <gtest/gtest.h>
 
-#include "equations/program.hpp"
+#include "equations/coefficients.hpp"
 #include "references/scaled.hpp"
 #include "scene/lowering.hpp"
 #include "structure/look.hpp"

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "backends/allocations.hpp"
-#include "equations/program.hpp"
+#include "equations/coefficients.hpp"
 #include "equations/separable.hpp"
 #include "group/coupling.hpp"
 #include "index.hpp"

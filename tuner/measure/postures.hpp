@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "assur/structure.hpp"
-#include "equations/program.hpp"
+#include "equations/coefficients.hpp"
 
 namespace assur::measure {
 

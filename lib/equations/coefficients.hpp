@@ -1,4 +1,4 @@
-// The numbers of one group for the program of its class.
+// The numbers of a group for the program of its class.
 #pragma once
 
 #include <cstdint>

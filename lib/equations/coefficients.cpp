@@ -1,4 +1,4 @@
-#include "equations/program.hpp"
+#include "equations/coefficients.hpp"
 
 #include <algorithm>
 #include <array>
