@@ -6,9 +6,10 @@
 
 namespace assur {
 
-// Calls visit(lanes) with the number of lanes as a constant for the usual numbers, so that inner loops vectorise.
 template <std::size_t W>
 using Constant = std::integral_constant<std::size_t, W>;
+
+// Calls visit(lanes) with the number of lanes as a constant for the usual numbers, so that inner loops vectorise.
 template <typename Visit>
 void with_lanes(std::size_t lanes, const Visit& visit) {
   switch (lanes) {

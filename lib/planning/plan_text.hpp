@@ -1,6 +1,6 @@
 // The tokens of a saved plan: numbers that read back exactly, "names", and labels of the next value.
 //
-//   assur plan 3
+//   assur plan 8
 //   scene "four bar"
 //   ...
 //   checksum 0123456789abcdef

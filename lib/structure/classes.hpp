@@ -7,7 +7,7 @@
 
 #include "assur/structure.hpp"
 #include "scene/system.hpp"
-#include "structure/local_equations.hpp"
+#include "structure/write_class.hpp"
 
 namespace assur {
 

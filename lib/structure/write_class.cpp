@@ -1,3 +1,5 @@
+#include "structure/write_class.hpp"
+
 #include <algorithm>
 #include <functional>
 #include <iterator>
@@ -9,7 +11,6 @@
 #include <vector>
 
 #include "index.hpp"
-#include "structure/local_equations.hpp"
 
 namespace assur {
 namespace {

@@ -1,4 +1,4 @@
-// The equations of a group in local numbers, from which the program of its class is written.
+// Writes the program of a class from the equations of a group in local numbers.
 #pragma once
 
 #include <vector>
@@ -39,6 +39,7 @@ struct LocalEquations {
   friend bool operator==(const LocalEquations&, const LocalEquations&) = default;
 };
 
+// The class of these equations, with the pattern of its Jacobian.
 [[nodiscard]] GroupClass write_class(const LocalEquations& equations);
 
 }  // namespace assur
