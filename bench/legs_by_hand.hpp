@@ -37,9 +37,9 @@ class LegsByHand {
     };
     const Body& terminal = scene.bodies().at(0);
     for (int k = 0; k < kLegs; ++k) {
-      Leg& leg = legs_.emplace_back(
-          LegByHand(at(scene.points(), leg_name("A", k))->at, at(scene.vectors(), leg_name("a", k))->at,
-                    at(terminal.points, leg_name("P", k))->local, at(terminal.vectors, leg_name("t", k))->local));
+      Leg& leg = legs_.emplace_back(LegByHand(
+          values(at(scene.points(), leg_name("A", k))->at), values(at(scene.vectors(), leg_name("a", k))->at),
+          values(at(terminal.points, leg_name("P", k))->local), values(at(terminal.vectors, leg_name("t", k))->local)));
       for (int d = 0; d < 3; ++d) {
         auto* to = (d == 0 ? leg.q : d == 1 ? leg.v : leg.a).data();
         for (const char* name : {"B", "e", "r", "c", "d"}) {

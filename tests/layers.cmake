@@ -28,7 +28,7 @@ endmacro()
 check_order(${TUNER} measure output sweep pictures check tuning report commands enough_memory.cpp main.cpp)
 
 set(lib_layers version.hpp status.hpp status.cpp machine.hpp parallel backend.hpp strategy.hpp strategy.cpp backends
-  report.hpp report.cpp status_text.hpp status_text.cpp law.hpp scene.hpp scene mjcf.hpp mjcf structure.hpp structure
+  report.hpp report.cpp status_text.hpp status_text.cpp number.hpp law.hpp scene.hpp scene mjcf.hpp mjcf structure.hpp structure
   equations program execute performance.hpp plan.hpp saved_plan.hpp planning modes.hpp modes rows.hpp signals group
   step_limits.hpp path errors jacobian.hpp simulator.hpp motion_range.hpp simulation ensemble.hpp side_by_side verification
   curve.hpp fleet.hpp fleet print.hpp print.cpp eigen.hpp assur.hpp assur.h c db)

@@ -2,12 +2,15 @@
 #pragma once
 
 #include <array>
+#include <concepts>
 #include <cstddef>
 #include <functional>
 #include <memory>
 #include <string>
 #include <variant>
 #include <vector>
+
+#include "assur/number.hpp"
 
 namespace assur {
 
@@ -23,9 +26,9 @@ using Motion = Jet<double>;
 
 // amplitude * sin(2 pi frequency t + phase)
 struct Harmonic {
-  double amplitude = 0;  // in the unit of the law
-  double frequency = 0;  // Hz
-  double phase = 0;      // rad
+  Number amplitude = 0;  // in the unit of the law
+  Number frequency = 0;  // Hz
+  Number phase = 0;      // rad
   friend bool operator==(const Harmonic&, const Harmonic&) = default;
 };
 
@@ -41,13 +44,13 @@ class Law {
  public:
   // The part c0 + c1 t + c2 t^2 + ...
   struct Polynomial {
-    std::vector<double> coefficients;  // c0, c1, c2, ...; t is absolute time
+    std::vector<Number> coefficients;  // c0, c1, c2, ...; t is absolute time
     friend bool operator==(const Polynomial&, const Polynomial&) = default;
   };
   // The part offset + sum of harmonics.
   struct Harmonics {
     std::vector<Harmonic> terms;  // any number, also none
-    double offset = 0;            // in the unit of the law
+    Number offset = 0;            // in the unit of the law
     friend bool operator==(const Harmonics&, const Harmonics&) = default;
   };
   // The part that interpolates a table by cubics: a C2 spline, either periodic or with not-a-knot ends (2 knots give a
@@ -75,11 +78,16 @@ class Law {
 
   Law() = default;  // constant zero
   // The law that is `value` at all times. Throws Error (input) if the value is not finite.
-  [[nodiscard]] static Law constant(double value);
+  [[nodiscard]] static Law constant(const Number& value);
   // The law c0 + c1 t + c2 t^2 + ... with absolute time t. Throws Error (input) if a coefficient is not finite.
-  [[nodiscard]] static Law polynomial(std::vector<double> coefficients);
+  [[nodiscard]] static Law polynomial(std::vector<Number> coefficients);
+  // The same from doubles.
+  template <std::same_as<double> T>
+  [[nodiscard]] static Law polynomial(const std::vector<T>& coefficients) {
+    return polynomial(std::vector<Number>(coefficients.begin(), coefficients.end()));
+  }
   // The law offset + sum of the terms. Throws Error (input) if a number is not finite.
-  [[nodiscard]] static Law harmonics(std::vector<Harmonic> terms, double offset = 0);
+  [[nodiscard]] static Law harmonics(std::vector<Harmonic> terms, const Number& offset = 0);
   // A cubic spline through the points (time[i], value[i]), see Spline. Throws Error (input) for fewer than 2 points,
   // for sizes that differ, for numbers that are not finite, for times that do not ascend, for points so close or so
   // large that the spline overflows, and for a periodic table that does not end with its first value (within a relative

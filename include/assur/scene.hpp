@@ -22,11 +22,10 @@
 #include <vector>
 
 #include "assur/law.hpp"
+#include "assur/number.hpp"
 #include "assur/status.hpp"
 
 namespace assur {
-
-using Triple = std::array<double, 3>;  // x, y, z; in the plane z = 0, build() refuses another value
 
 // A point, whose coordinates are unknowns unless it is fixed or driven. Names consist of letters, digits and
 // underscores, and do not begin with a digit.
@@ -152,7 +151,7 @@ struct Joint {
 // The distance of two points is constant: |P - Q|^2 = value^2.
 struct Distance {
   std::string p, q;                  // names of points
-  std::optional<double> value = {};  // m, > 0; empty: the distance in the posture as written
+  std::optional<Number> value = {};  // m, > 0; empty: the distance in the posture as written
 };
 // Two distances are equal: |P - Q|^2 = |R - S|^2.
 struct EqualDistance {
@@ -161,7 +160,7 @@ struct EqualDistance {
 // A dot product is constant: d . e = value.
 struct Dot {
   Direction d, e;                    // the two directions
-  std::optional<double> value = {};  // unit: 1 (two vectors), m (vector and pair) or m^2 (two pairs); empty: as written
+  std::optional<Number> value = {};  // unit: 1 (two vectors), m (vector and pair) or m^2 (two pairs); empty: as written
 };
 // Two directions are parallel: e = lambda d, with the unknown NAME.lambda.
 struct Parallel {
@@ -169,13 +168,13 @@ struct Parallel {
 };
 // A sum is constant: sum factor * (point or vector) = value, one equation for each coordinate.
 struct Linear {
-  std::vector<std::pair<std::string, double>> terms;  // name of the point or vector, factor other than 0
+  std::vector<std::pair<std::string, Number>> terms;  // name of the point or vector, factor other than 0
   Triple value{};                                     // m if there is a point among the terms, else 1
 };
 // One coordinate is constant.
 struct FixedCoordinate {
   std::string coordinate;  // "P.x", "name.lambda"
-  double value = 0;        // in the unit of the coordinate
+  Number value = 0;        // in the unit of the coordinate
 };
 // A point is on a line: P = A + lambda d, with the unknown NAME.lambda.
 struct OnLine {
@@ -193,7 +192,7 @@ struct OnPlane {
 // two angles is that of whole numbers up to 1000, within 1e-9; others are refused.
 struct Gear {
   std::string a, b;  // "JOINT.angle" or "JOINT.displacement"
-  double ratio = 1;  // not 0; 1, m/rad or rad/m, also in a file with angles in degrees
+  Number ratio = 1;  // not 0; 1, m/rad or rad/m, also in a file with angles in degrees
 };
 
 // Equations of a C++ function, for scenes built in C++. All arguments and results are in SI units. The equations are
@@ -347,8 +346,8 @@ struct MeasuredCoordinate {
 };
 // A constant plus multiples of other measures, all in one unit.
 struct Combination {
-  std::vector<std::pair<std::string, double>> terms;  // name of a measure other than a Combination, factor, not 0
-  double constant = 0;                                // in the unit of the measures
+  std::vector<std::pair<std::string, Number>> terms;  // name of a measure other than a Combination, factor, not 0
+  Number constant = 0;                                // in the unit of the measures
 };
 
 // One number of the orientation of a body. build() makes these for outputs that name the body.
@@ -380,7 +379,7 @@ struct Limit {
   // In the unit of the quantity (rad, m); infinite: no limit on this side. A signed angle is followed through whole
   // turns; it starts at the law of its driver, else within the limit if a number of whole turns brings it there. The
   // output of this name begins in (-pi, pi], and may differ by whole turns.
-  double min = -HUGE_VAL, max = HUGE_VAL;
+  Number min = -HUGE_VAL, max = HUGE_VAL;
   Reaction reaction = Reaction::end;
   std::string driver = {};  // build() sets it: the driver of the coordinate, if one of the joint's drivers has it
 };
@@ -406,7 +405,7 @@ struct TimeGrid {
 };
 
 // Values of parameters, by name.
-using Parameters = std::map<std::string, double>;
+using Parameters = std::map<std::string, Number>;
 struct SceneSource;  // for use inside the library
 
 // A mechanism with drivers, measures, outputs and a time grid, checked as a whole. A Scene does not change, and copies
@@ -550,7 +549,7 @@ class SceneBuilder {
     return add(Measure{std::move(name), std::move(kind)});
   }
   // Adds a limit, e.g. limit("knee.angle", -0.1, 2.2). An infinite number is no limit.
-  SceneBuilder& limit(std::string quantity, double min, double max, Limit::Reaction reaction = Limit::Reaction::end) {
+  SceneBuilder& limit(std::string quantity, Number min, Number max, Limit::Reaction reaction = Limit::Reaction::end) {
     return add(Limit{std::move(quantity), min, max, reaction});
   }
   // Reserves memory for this many points and constraints, for large scenes.

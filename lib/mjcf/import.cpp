@@ -42,7 +42,7 @@ Triple triple(const mjcf::Vector3d& v) { return {v.x() + 0.0, v.y() + 0.0, v.z()
 
 // Coefficients of a polynomial.
 Law polynomial_of(const std::string& joint, const std::string& text) {
-  std::vector<double> coefficients;
+  std::vector<Number> coefficients;
   for (std::size_t begin = 0; begin <= text.size();) {
     const std::size_t end = std::min(text.find(',', begin), text.size());
     const std::string number = text.substr(begin, end - begin);

@@ -19,6 +19,8 @@
 #include <type_traits>
 #include <vector>
 
+#include "assur/number.hpp"
+
 namespace assur {
 
 // T or const T.
@@ -52,6 +54,7 @@ class PlanWriter {
  private:
   // Throws Error (input) for a number that is not finite.
   void put(double number);
+  void put(const Number& number) { put(number.value()); }
   void put(const std::string& name);
   void put(std::int64_t number);
   template <class T>
@@ -107,6 +110,11 @@ class PlanReader {
   void expect(std::string_view name);
   [[nodiscard]] std::int64_t number(std::int64_t least, std::int64_t most);
   void get(double& number);
+  void get(Number& number) {
+    double value = 0;
+    get(value);
+    number = value;
+  }
   void get(std::string& name);
   template <class T>
   requires std::is_integral_v<T>

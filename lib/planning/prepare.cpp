@@ -231,8 +231,7 @@ Choice automatic_choice(const Scene& scene, const PrepareOptions& options, const
 std::optional<Choice> choice_like(const Prepared& like, const Scene& scene, const PrepareOptions& options,
                                   const KnownStart& start) {
   Choice choice;
-  const RunSettings& run = like.plan.run;
-  choice.structure = structure_for(scene, options, run.formulation, run.predictor, start);
+  choice.structure = structure_like(scene, options, start, like);
   if (!same_structure(*like.structure, *choice.structure)) return std::nullopt;
   choice.plan = like.plan;
   return choice;
@@ -299,6 +298,11 @@ Prepared prepare(const Scene& scene, const PrepareOptions& options) { return pre
 
 Prepared prepare_like(const Prepared& like, const Scene& scene, const PrepareOptions& options) {
   return prepare_at(scene, options, {}, &like);
+}
+
+std::shared_ptr<const Structure> structure_like(const Scene& scene, const PrepareOptions& options,
+                                                const KnownStart& start, const Prepared& like) {
+  return structure_for(scene, options, like.plan.run.formulation, like.plan.run.predictor, start);
 }
 
 }  // namespace assur

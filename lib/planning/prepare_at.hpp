@@ -1,6 +1,7 @@
 // prepare() with a start posture that is known already.
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "assur/plan.hpp"
@@ -20,5 +21,9 @@ struct KnownStart {
 // like: null, or its plan is taken if the structures are the same.
 [[nodiscard]] Prepared prepare_at(const Scene& scene, const PrepareOptions& options, const KnownStart& start,
                                   const Prepared* like = nullptr);
+
+// Its structure alone, in the formulation of `like`.
+[[nodiscard]] std::shared_ptr<const Structure> structure_like(const Scene& scene, const PrepareOptions& options,
+                                                              const KnownStart& start, const Prepared& like);
 
 }  // namespace assur

@@ -130,7 +130,7 @@ void fields(PlanReader& read, Law& law) {
     LawPart kind{};
     read(kind);
     if (kind == LawPart::polynomial) {
-      std::vector<double> coefficients;
+      std::vector<Number> coefficients;
       read(coefficients);
       laws.push_back(Law::polynomial(std::move(coefficients)));
     } else if (kind == LawPart::harmonics) {

@@ -56,8 +56,8 @@ class Expressions::Parsers {
     return used;
   }
 
-  void set(const std::string& name, double value) {
-    values_.DefineConst(name, value);
+  void set(const std::string& name, const Number& value) {
+    values_.DefineConst(name, value.value());
     known_.insert(name);
     value_of_.emplace(name, value);
   }
@@ -82,24 +82,22 @@ class Expressions::Parsers {
       if (!std::isfinite(value)) {
         return {0, in_quotes("=" + text) + " is " + shortest(value) + "; a finite number is wanted", false};
       }
-      if (Tape* const tape = Tape::active()) record(*tape, text, value);
-      return {value, "", false};
+      return {with_origin(text, value), "", false};
     } catch (const mu::Parser::exception_type& error) {
       return explain(text, error);
     }
   }
 
  private:
-  // Records the expression if it uses numbers of the tape.
-  void record(Tape& tape, const std::string& text, double value) {
-    Tape::Formula formula{text, names(text), {}};
-    bool depends = false;
-    for (const std::string& name : formula.names) {
-      const Tape::Node node = tape.find(value_of_.at(name));
-      depends = depends || node != Tape::kNone;
-      formula.arguments.push_back(node != Tape::kNone ? node : tape.literal(value_of_.at(name)));
-    }
-    if (depends) tape.record(std::move(formula), value);
+  // The value of an expression, recorded if it uses numbers of the active tape.
+  [[nodiscard]] Number with_origin(const std::string& text, double value) {
+    Tape* const tape = Tape::active();
+    if (tape == nullptr) return value;
+    std::vector<std::string> used = names(text);
+    std::vector<Number> arguments;
+    for (const std::string& name : used) arguments.push_back(value_of_.at(name));
+    const bool follows = std::any_of(arguments.begin(), arguments.end(), [&](const Number& a) { return tape->has(a); });
+    return follows ? tape->formula(text, std::move(used), arguments, value) : Number(value);
   }
 
   // The first word before a parenthesis that is not a function; "" if there is none.
@@ -145,7 +143,7 @@ class Expressions::Parsers {
   mu::Parser names_;   // knows no parameters, so every name is unknown
   mu::Parser values_;  // has the parameters as constants
   std::unordered_set<std::string> known_, broken_;
-  std::unordered_map<std::string, double> value_of_;
+  std::unordered_map<std::string, Number> value_of_;
   std::vector<std::string> announced_;
   int suggestions_left_ = 100;  // each compares all parameters
 };
@@ -236,7 +234,7 @@ std::vector<Expressions::Finding> Expressions::define(const std::vector<Paramete
         find_wrong(i, result.what);
       }
     } else {
-      parsers_->set(parameters[i].name, std::get<double>(parameters[i].value));
+      parsers_->set(parameters[i].name, std::get<Number>(parameters[i].value));
     }
     for (const std::size_t user : users[i]) {
       if (--open[user] == 0) ready.push_back(user);

@@ -10,13 +10,15 @@
 #include <variant>
 #include <vector>
 
+#include "assur/number.hpp"
+
 namespace assur {
 
 class Expressions {
  public:
   struct Parameter {
     std::string name;
-    std::variant<double, std::string> value;  // a number or an expression
+    std::variant<Number, std::string> value;  // a number or an expression
   };
   struct Finding {
     std::string parameter;
@@ -25,7 +27,7 @@ class Expressions {
   // If ok(), `value` is a finite number. Otherwise `what` is the problem; it is empty if the error `follows` from a
   // parameter that was reported already.
   struct Result {
-    double value = 0;
+    Number value;
     std::string what;
     bool follows = false;
     [[nodiscard]] bool ok() const { return what.empty() && !follows; }

@@ -5,8 +5,8 @@
 
 #include "index.hpp"
 #include "numbers.hpp"
-#include "scene/recorded.hpp"
 #include "scene/residual_scale.hpp"
+#include "scene/triple.hpp"
 
 namespace assur {
 namespace {
@@ -80,14 +80,13 @@ System Forms::finish() {
 // ---- constants and forms
 
 Index Forms::internal_constant(const Exact& exact) {
-  s_.constants.push_back(exact.value.value());
-  rests_.push_back(exact.rest.value());
+  rests_.push_back(exact.rest);
   sizes_.push_back(exact.size);
-  return static_cast<Index>(s_.constants.size()) - 1;
+  return s_.add_constant(exact.value);
 }
 
 Forms::Exact Forms::exact(Index constant) const {
-  return {s_.constants[idx(constant)], rests_[idx(constant)], sizes_[idx(constant)]};
+  return {s_.constant(constant), rests_[idx(constant)], sizes_[idx(constant)]};
 }
 
 Index Forms::constant(const Number& value, int power, double size) {
@@ -115,10 +114,10 @@ void Forms::drop_rounding(Terms& terms, double least) {
   if (!drops) return;
   // The same for a tape, so that members in which it counts are prepared alone.
   for (const Term& t : terms) {
-    if (t.coordinate != kOne && Number(constant(t)) != 0) return;
+    if (t.coordinate != kOne && s_.constant(t.constant) != 0) return;
   }
   for (Term& t : terms) {
-    if (t.coordinate != kOne || !(abs(Number(constant(t))) <= most(t))) continue;
+    if (t.coordinate != kOne || !(abs(s_.constant(t.constant)) <= most(t))) continue;
     t.constant = internal_constant({0, 0, sizes_[idx(t.constant)]});
   }
 }
@@ -177,11 +176,11 @@ const Item& Forms::item(const std::string& name) const { return s_.items[idx(ite
 
 Index Forms::add_coordinate(Index item, int component, int power, Role role, const Number& guess, bool moving) {
   s_.coordinates.push_back({item, static_cast<std::int8_t>(component), static_cast<std::int8_t>(power), role, moving});
-  s_.guess.push_back(scaled(guess, power).value());
+  s_.add_guess(scaled(guess, power));
   return static_cast<Index>(s_.coordinates.size()) - 1;
 }
 
-void Forms::declare(const std::string& name, const Numbers& at, bool fixed, int power) {
+void Forms::declare(const std::string& name, const Triple& at, bool fixed, int power) {
   Item item;
   item.name = name;
   item.components = static_cast<std::int8_t>(dimension());
@@ -239,20 +238,20 @@ Forms::Components Forms::direction(const Direction& d) {
   return c;
 }
 
-Numbers Forms::at(const Item& item) const {
-  Numbers r{};
+Triple Forms::at(const Item& item) const {
+  Triple r{};
   for (int k = 0; k < item.components; ++k) {
     Number sum = 0;
     for (const Term& t : s_.form(item.form[k])) {
-      sum += Number(s_.constants[idx(t.constant)]) * Number(s_.guess[idx(t.coordinate)]);
+      sum += s_.constant(t.constant) * s_.guess_of(t.coordinate);
     }
     r[idx(k)] = ldexp(sum, s_.length_exponent * item.dimension);
   }
   return r;
 }
 
-Numbers Forms::at(const Direction& d) const {
-  return d.is_pair() ? recorded::subtract(at(d.second), at(d.first)) : at(d.first);
+Triple Forms::at(const Direction& d) const {
+  return d.is_pair() ? triple::subtract(at(d.second), at(d.first)) : at(d.first);
 }
 
 // ---- known coordinates

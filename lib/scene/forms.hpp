@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "scene/number.hpp"
+#include "assur/number.hpp"
 #include "scene/system.hpp"
 
 namespace assur {
@@ -54,7 +54,7 @@ class Forms {
   Index add_item(Item item);
   Index add_coordinate(Index item, int component, int power, Role role, const Number& guess, bool moving = true);
   Index coordinate_form(Index coordinate) { return form({{coordinate, kPlus}}); }
-  void declare(const std::string& name, const Numbers& at, bool fixed, int power);         // a point or vector
+  void declare(const std::string& name, const Triple& at, bool fixed, int power);          // a point or vector
   void declare_derived(const std::string& name, int power, const Index (&components)[3]);  // a body's member
   void declare_scalar(const std::string& name, int power, const Number& guess);
 
@@ -70,9 +70,9 @@ class Forms {
   [[nodiscard]] int power(const Direction& d) const { return d.is_pair() ? 1 : int{item(d.first).dimension}; }
 
   // Posture as written, SI units.
-  [[nodiscard]] Numbers at(const Item& item) const;
-  [[nodiscard]] Numbers at(const std::string& name) const { return at(item(name)); }
-  [[nodiscard]] Numbers at(const Direction& d) const;
+  [[nodiscard]] Triple at(const Item& item) const;
+  [[nodiscard]] Triple at(const std::string& name) const { return at(item(name)); }
+  [[nodiscard]] Triple at(const Direction& d) const;
 
   // Known and unknown coordinates.
   [[nodiscard]] bool is_fixed(const Item& item) const;   // constant
@@ -104,7 +104,7 @@ class Forms {
   System s_;
   std::pmr::monotonic_buffer_resource names_;  // freed as a whole, because millions of small pieces would leave gaps
   std::pmr::unordered_map<std::string, Index> item_of_{&names_};
-  std::vector<double> rests_;  // rounding error of each constant
+  std::vector<Number> rests_;  // rounding error of each constant
   std::vector<double> sizes_;  // magnitude of the numbers that each constant is computed from
   Index row_ = 0;
 };

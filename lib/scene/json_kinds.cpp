@@ -113,12 +113,12 @@ void JsonReader::put(DrivenCoordinate& out, const rows::Slot<DrivenCoordinate, L
   out.law = law(at, out.coordinate.ends_with(".angle") ? angle_unit_ : 1);
 }
 
-void JsonReader::put(Limit& out, const rows::Slot<Limit, double>& bound, const Place& at) {
+void JsonReader::put(Limit& out, const rows::Slot<Limit, Number>& bound, const Place& at) {
   const bool of_angle = out.quantity.ends_with(".angle") || angle_names_.contains(out.quantity);
   out.*bound.member = number(at) * (of_angle ? angle_unit_ : 1);
 }
 
-void JsonReader::put(Combination& out, const rows::Slot<Combination, double>&, const Place& at) {
+void JsonReader::put(Combination& out, const rows::Slot<Combination, Number>&, const Place& at) {
   const bool of_angles = std::any_of(out.terms.begin(), out.terms.end(),
                                      [&](const auto& term) { return angle_names_.count(term.first) != 0; });
   out.constant = number(at) * (of_angles ? angle_unit_ : 1);

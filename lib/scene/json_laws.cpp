@@ -6,7 +6,6 @@
 #include "scene/input_file.hpp"
 #include "scene/json_reader.hpp"
 #include "scene/law_sum.hpp"
-#include "scene/number.hpp"
 
 namespace assur {
 namespace {
@@ -152,13 +151,13 @@ Law JsonReader::law(const Place& at, double unit) {
   if (kind == "table") keys.allowed.insert(keys.allowed.end(), {"periodic", "monotone"});
   const Object object(*this, at, keys);
   try {
-    if (kind == "constant") return Law::constant((unit * Number(number(value))).value());
+    if (kind == "constant") return Law::constant(unit * number(value));
     if (kind == "harmonics") return harmonics(value, object, unit);
     if (kind == "table") return table(value, object, unit);
-    std::vector<double> coefficients;
+    std::vector<Number> coefficients;
     if (expect(value, Type::array, "[0, 1]")) {
       if (value.size() == 0) note(value.where, "a polynomial needs at least one coefficient");
-      for (std::size_t k = 0; k < value.size(); ++k) coefficients.push_back((unit * Number(number(value[k]))).value());
+      for (std::size_t k = 0; k < value.size(); ++k) coefficients.push_back(unit * number(value[k]));
     }
     return Law::polynomial(std::move(coefficients));
   } catch (const Error& error) {
@@ -182,12 +181,12 @@ Law JsonReader::harmonics(const Place& at, const Object& object, double unit) {
       Object item(*this, at[i], keys);
       Harmonic& term = terms.emplace_back();
       fill(term, item, rows::kHarmonic);
-      term.amplitude = (unit * Number(term.amplitude)).value();
+      term.amplitude *= unit;
     }
   }
   const JsonNode* offset = object.find("offset");
-  const double middle = offset ? number({*offset, object.where() / "offset"}) : 0;
-  return Law::harmonics(std::move(terms), (unit * Number(middle)).value());
+  const Number middle = offset ? number({*offset, object.where() / "offset"}) : Number(0);
+  return Law::harmonics(std::move(terms), unit * middle);
 }
 
 // The rows of a table in the scene itself.

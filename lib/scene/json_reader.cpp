@@ -74,7 +74,7 @@ const JsonNode* JsonReader::Object::need(std::string_view key, std::string_view 
 
 // ---- values
 
-double JsonReader::number(const Place& at) {
+Number JsonReader::number(const Place& at) {
   if (at.node.is(Type::number)) return at.node.number();
   const std::string_view text = at.node.text();
   if (text.starts_with('=')) {
@@ -119,11 +119,12 @@ bool JsonReader::is_list(const Place& at, std::size_t size, std::string_view exa
   return false;
 }
 
-void JsonReader::read(double& out, const rows::About& about, const Place& at) {
-  out = number(at) * (about.means == rows::Means::angle ? angle_unit_ : 1);
+void JsonReader::read(Number& out, const rows::About& about, const Place& at) {
+  out = number(at);
+  if (about.means == rows::Means::angle) out *= angle_unit_;
 }
 
-void JsonReader::read(std::optional<double>& out, const rows::About& about, const Place& at) {
+void JsonReader::read(std::optional<Number>& out, const rows::About& about, const Place& at) {
   read(out.emplace(), about, at);
 }
 
@@ -165,7 +166,7 @@ void JsonReader::read(Direction& out, const rows::About&, const Place& at) {
 }
 
 // about.example is a list of terms.
-void JsonReader::read(std::vector<std::pair<std::string, double>>& out, const rows::About& about, const Place& at) {
+void JsonReader::read(std::vector<std::pair<std::string, Number>>& out, const rows::About& about, const Place& at) {
   if (!expect(at, Type::array, about.example)) return;
   const std::string_view one = about.example.substr(1, about.example.find(']'));
   const std::string_view name = one.substr(2, one.find('"', 2) - 2);

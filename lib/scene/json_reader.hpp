@@ -77,20 +77,20 @@ class JsonReader {
 
   // values (json_reader.cpp, laws: json_laws.cpp); after an error NaN, "" and the like. example: as in a file, texts
   // without quotes
-  double number(const Place& at);
+  Number number(const Place& at);
   Triple triple(const Place& at);
   std::string text(const Place& at, std::string_view example);
   // True if it is an array of that length; else reports it.
   [[nodiscard]] bool is_list(const Place& at, std::size_t size, std::string_view example);
-  void read(double& out, const rows::About& about, const Place& at);
-  void read(std::optional<double>& out, const rows::About& about, const Place& at);
+  void read(Number& out, const rows::About& about, const Place& at);
+  void read(std::optional<Number>& out, const rows::About& about, const Place& at);
   void read(bool& out, const rows::About& about, const Place& at);
   void read(Triple& out, const rows::About& about, const Place& at);
   void read(std::string& out, const rows::About& about, const Place& at);
   void read(std::vector<std::string>& out, const rows::About& about, const Place& at);
   void read(Anchor& out, const rows::About& about, const Place& at);
   void read(Direction& out, const rows::About& about, const Place& at);
-  void read(std::vector<std::pair<std::string, double>>& out, const rows::About& about, const Place& at);
+  void read(std::vector<std::pair<std::string, Number>>& out, const rows::About& about, const Place& at);
   void read(std::vector<Member>& out, const rows::About& about, const Place& at);
   void read(Law& out, const rows::About& about, const Place& at);
   void read(std::vector<Law>& out, const rows::About& about, const Place& at);
@@ -113,8 +113,9 @@ class JsonReader {
   void put(Struct& out, const rows::Slot<Struct, Type>& slot, const Place& at) {
     read(out.*slot.member, slot.about, at);
   }
-  void put(Combination& out, const rows::Slot<Combination, double>& constant, const Place& at);
-  void put(Limit& out, const rows::Slot<Limit, double>& bound, const Place& at);
+  void put(Combination& out, const rows::Slot<Combination, Number>& constant, const Place& at);
+  void put(Limit& out, const rows::Slot<Limit, Number>& bound, const Place& at);
+  void put(TimeGrid& out, const rows::Slot<TimeGrid, double>& slot, const Place& at);
   void put(DrivenCoordinate& out, const rows::Slot<DrivenCoordinate, Law>& law, const Place& at);
   template <class Struct, class... Entries>
   void put(Struct& out, const rows::List<Entries...>& list, const Place& at) {

@@ -104,10 +104,10 @@ void JsonReader::read_parameters(const JsonNode* section) {
     const auto replaced = set_.find(name);
     if (std::string wrong = why_no_name(name); !wrong.empty()) {
       note(at.where, std::move(wrong));
-    } else if (replaced != set_.end() && std::isfinite(replaced->second)) {
+    } else if (replaced != set_.end() && isfinite(replaced->second)) {
       parameters.push_back({name, replaced->second});
     } else if (replaced != set_.end()) {
-      note(at.where, "the parameter is set to " + shortest(replaced->second) + "; a finite number is wanted");
+      note(at.where, "the parameter is set to " + shortest(replaced->second.value()) + "; a finite number is wanted");
       unusable.push_back(name);
     } else if (at.node.is(Type::number)) {
       parameters.push_back({name, at.node.number()});
@@ -175,6 +175,12 @@ void JsonReader::read_outputs(const JsonNode* section) {
   std::vector<std::string> names;
   read(names, {rows::Means::text, "C"}, {*section, Where("/outputs")});
   for (std::string& name : names) builder_.output(std::move(name));
+}
+
+// Members of a table have the time grid of the first one, and start with it.
+void JsonReader::put(TimeGrid& out, const rows::Slot<TimeGrid, double>& slot, const Place& at) {
+  const Number value = number(at);
+  out.*slot.member = slot.member == &TimeGrid::start ? double{value} : value.value();
 }
 
 void JsonReader::read_time(const JsonNode* section) {

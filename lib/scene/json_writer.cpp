@@ -90,7 +90,7 @@ std::string json_text(std::string_view text) {
 }
 
 // JSON reads -0 as an integer, which has no sign.
-std::string number(double x) { return x == 0 && std::signbit(x) ? "-0.0" : shortest(x); }
+std::string number(const Number& x) { return x.value() == 0 && std::signbit(x.value()) ? "-0.0" : shortest(x.value()); }
 
 // "[a, b]"; text_of(entry) is the text of an entry
 template <class Items, class TextOf>
@@ -107,8 +107,9 @@ bool is_same(const T& a, const T& b) {
   return a == b;
 }
 bool is_same(double a, double b) { return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b); }
+bool is_same(const Number& a, const Number& b) { return is_same(a.value(), b.value()); }
 bool is_same(const Triple& a, const Triple& b) {
-  return std::equal(a.begin(), a.end(), b.begin(), [](double x, double y) { return is_same(x, y); });
+  return std::equal(a.begin(), a.end(), b.begin(), [](const Number& x, const Number& y) { return is_same(x, y); });
 }
 bool is_same(const Anchor& a, const Anchor& b) {
   const auto *x = std::get_if<Triple>(&a), *y = std::get_if<Triple>(&b);
@@ -230,15 +231,16 @@ class JsonWriter {
   // ---- values, as JsonReader::read() takes them
 
   std::string text(double x, const rows::About&) { return number(x); }
-  std::string text(const std::optional<double>& x, const rows::About&) { return number(*x); }
+  std::string text(const Number& x, const rows::About&) { return number(x); }
+  std::string text(const std::optional<Number>& x, const rows::About&) { return number(*x); }
   std::string text(bool x, const rows::About&) { return x ? "true" : "false"; }
   std::string text(const std::string& name, const rows::About&) { return json_text(name); }
   std::string text(const std::vector<std::string>& names, const rows::About&) { return array_of(names, json_text); }
   std::string text(const Triple& x, const rows::About& about) {
     const auto end = x.begin() + dimension_;
-    const bool is_one = std::all_of(x.begin(), end, [&](double other) { return is_same(other, x[0]); });
+    const bool is_one = std::all_of(x.begin(), end, [&](const Number& other) { return is_same(other, x[0]); });
     if (about.means == rows::Means::each && is_one) return number(x[0]);
-    return array_of(std::vector<double>(x.begin(), end), number);
+    return array_of(std::span(x.begin(), end), number);
   }
   std::string text(const Anchor& anchor, const rows::About& about) {
     return std::visit([&](const auto& own) { return text(own, about); }, anchor);
@@ -249,7 +251,7 @@ class JsonWriter {
   std::string text(const Direction& d, const rows::About&) {
     return d.is_pair() ? "[" + json_text(d.first) + ", " + json_text(d.second) + "]" : json_text(d.first);
   }
-  std::string text(const std::vector<std::pair<std::string, double>>& terms, const rows::About&) {
+  std::string text(const std::vector<std::pair<std::string, Number>>& terms, const rows::About&) {
     return array_of(terms,
                     [](const auto& term) { return "[" + json_text(term.first) + ", " + number(term.second) + "]"; });
   }
@@ -281,7 +283,7 @@ class JsonWriter {
   std::string part_of(const Law::Harmonics& h) {
     if (h.terms.empty()) return "{\"constant\": " + number(h.offset) + "}";
     const std::string terms = array_of(h.terms, [&](const Harmonic& term) { return object(term, rows::kHarmonic); });
-    return "{\"harmonics\": " + terms + (is_same(h.offset, 0.0) ? "" : ", \"offset\": " + number(h.offset)) + "}";
+    return "{\"harmonics\": " + terms + (is_same(h.offset, Number(0)) ? "" : ", \"offset\": " + number(h.offset)) + "}";
   }
   std::string part_of(const Law::Spline& s) {
     std::string table = "[";

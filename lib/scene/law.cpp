@@ -22,9 +22,11 @@ std::string text(double number) {  // the shortest text that reads back as the s
 
 std::string at(std::string_view array, std::size_t i) { return std::string(array) + "[" + std::to_string(i) + "]"; }
 
-void check_finite(std::string_view array, std::span<const double> numbers) {
+template <class Numbers>
+void check_finite(std::string_view array, const Numbers& numbers) {
+  using std::isfinite;
   for (std::size_t i = 0; i < numbers.size(); ++i) {
-    if (!std::isfinite(numbers[i])) refuse(at(array, i) + " of a law is not a finite number");
+    if (!isfinite(numbers[i])) refuse(at(array, i) + " of a law is not a finite number");
   }
 }
 
@@ -190,7 +192,7 @@ std::vector<double> monotone_bends(std::span<const double> time, std::span<const
 struct IsConstant {
   bool operator()(const Law::Polynomial& p) const {
     return std::all_of(p.coefficients.begin() + (p.coefficients.empty() ? 0 : 1), p.coefficients.end(),
-                       [](double c) { return c == 0; });
+                       [](const Number& c) { return c == 0; });
   }
   bool operator()(const Law::Harmonics& h) const {
     return std::all_of(h.terms.begin(), h.terms.end(),
@@ -204,18 +206,17 @@ struct IsConstant {
 
 }  // namespace
 
-Law Law::constant(double value) { return polynomial({value}); }
+Law Law::constant(const Number& value) { return polynomial({value}); }
 
-Law Law::polynomial(std::vector<double> coefficients) {
+Law Law::polynomial(std::vector<Number> coefficients) {
   check_finite("polynomial", coefficients);
   return Law({Polynomial{std::move(coefficients)}});
 }
 
-Law Law::harmonics(std::vector<Harmonic> terms, double offset) {
-  check_finite("offset", {&offset, 1});
+Law Law::harmonics(std::vector<Harmonic> terms, const Number& offset) {
+  check_finite("offset", std::span(&offset, 1));
   for (const Harmonic& term : terms) {
-    const double numbers[] = {term.amplitude, term.frequency, term.phase};
-    if (!std::all_of(std::begin(numbers), std::end(numbers), [](double x) { return std::isfinite(x); })) {
+    if (!(isfinite(term.amplitude) && isfinite(term.frequency) && isfinite(term.phase))) {
       refuse(at("harmonics", static_cast<std::size_t>(&term - terms.data())) +
              " of a law has an amplitude, frequency or phase that is not a finite number");
     }

@@ -14,13 +14,13 @@
 namespace assur {
 
 // Upper bound of the second derivative of a polynomial between two times: Taylor's formula about the middle.
-[[nodiscard]] inline double most_acceleration(std::span<const double> coefficients, double from, double to) {
+[[nodiscard]] inline double most_acceleration(std::span<const Number> coefficients, double from, double to) {
   const double middle = from + (to - from) / 2, reach = std::abs(to - from) / 2;
   double sum = 0, power = 1, factorial = 1;
   for (std::size_t k = 2; k < coefficients.size(); ++k) {  // power: reach^(k - 2), factorial: (k - 2)!
     double derivative = 0;                                 // the k-th one in the middle
     for (std::size_t i = coefficients.size(); i-- > k;) {
-      double falling = coefficients[i];
+      double falling = coefficients[i].value();
       for (std::size_t f = 0; f < k; ++f) falling *= static_cast<double>(i - f);
       derivative = derivative * middle + falling;
     }

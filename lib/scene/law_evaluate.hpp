@@ -16,20 +16,23 @@
 namespace assur {
 namespace law_detail {
 
+inline double plain(double x) { return x; }
+inline double plain(const Number& x) { return x.value(); }
+
 // c0 + c1 t + c2 t^2 + ...
-template <class T>
-Jet<T> horner(std::span<const double> coefficients, const T& t) {
+template <class N, class T>
+Jet<T> horner(std::span<const N> coefficients, const T& t) {
   T value = 0, rate = 0, half_acceleration = 0;  // Horner's rule, differentiated twice
   for (std::size_t i = coefficients.size(); i-- > 0;) {
     half_acceleration = half_acceleration * t + rate;
     rate = rate * t + value;
-    value = value * t + coefficients[i];
+    value = value * t + plain(coefficients[i]);
   }
   return {value, rate, 2 * half_acceleration};
 }
 template <class T>
 Jet<T> evaluate(const Law::Polynomial& polynomial, const T& t) {
-  return horner(polynomial.coefficients, t);
+  return horner(std::span(polynomial.coefficients), t);
 }
 
 // The fractional part of frequency * t, without the rounding error of a large product.
@@ -61,12 +64,12 @@ template <class T>
 Jet<T> evaluate(const Law::Harmonics& harmonics, const T& t) {
   using std::cos;
   using std::sin;
-  Jet<T> sum{T(harmonics.offset), T(0), T(0)};
+  Jet<T> sum{T(harmonics.offset.value()), T(0), T(0)};
   for (const Harmonic& term : harmonics.terms) {
-    const T omega = two_pi<T>() * term.frequency;
-    const T angle = two_pi<T>() * cycles(term.frequency, t) + term.phase;
-    const T s = term.amplitude * sin(angle);
-    const T c = term.amplitude * cos(angle);
+    const T omega = two_pi<T>() * term.frequency.value();
+    const T angle = two_pi<T>() * cycles(term.frequency.value(), t) + term.phase.value();
+    const T s = term.amplitude.value() * sin(angle);
+    const T c = term.amplitude.value() * cos(angle);
     sum += Jet<T>{s, omega * c, -(omega * omega) * s};
   }
   return sum;

@@ -1,4 +1,4 @@
-// The sum of many laws, and multiples of a law.
+// The sum of many laws, multiples of a law, and its value as a number of the scene.
 #pragma once
 
 #include <span>
@@ -20,8 +20,8 @@ namespace assur {
 
 // The law times a factor; not for functions of the program. Throws Error (input) if a number overflows.
 [[nodiscard]] inline Law times(double factor, const Law& law) {
-  const auto scaled = [&](std::vector<double> numbers) {
-    for (double& x : numbers) x *= factor;
+  const auto scaled = [&](auto numbers) {
+    for (auto& x : numbers) x *= factor;
     return numbers;
   };
   std::vector<Law> parts;
@@ -37,6 +37,17 @@ namespace assur {
     }
   }
   return sum_of(parts);
+}
+
+// The value at time t. That of a constant has its origin.
+[[nodiscard]] inline Number value_of(const Law& law, double t) {
+  Number sum = 0;
+  for (const Law::Part& part : law.parts()) {
+    const auto* constant = std::get_if<Law::Polynomial>(&part);
+    if (constant == nullptr || constant->coefficients.size() > 1) return law(t).value;
+    if (!constant->coefficients.empty()) sum += constant->coefficients[0];
+  }
+  return sum;
 }
 
 }  // namespace assur

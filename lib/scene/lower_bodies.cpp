@@ -18,14 +18,14 @@ constexpr double kSpan = 3;         // SI units: the largest of these values
 constexpr double kSameDot = 1e-12;  // relative difference of products that are equal but for rounding
 
 // Local axes of a base with three entries, in ground coordinates in the posture as written.
-std::array<Numbers, 3> base_axes(const Forms& forms, const Body& body) {
-  const Numbers x = direction_of(forms.at(base_direction(forms, body, 1)));
-  const Numbers z = direction_of(recorded::cross(x, forms.at(base_direction(forms, body, 2))));
-  return {x, recorded::cross(z, x), z};
+std::array<Triple, 3> base_axes(const Forms& forms, const Body& body) {
+  const Triple x = direction_of(forms.at(base_direction(forms, body, 1)));
+  const Triple z = direction_of(triple::cross(x, forms.at(base_direction(forms, body, 2))));
+  return {x, triple::cross(z, x), z};
 }
 
 // Of the local coordinates of a member.
-double size_of_locals(const Member& m) { return std::hypot(m.local[0], m.local[1], m.local[2]); }
+double size_of_locals(const Member& m) { return triple::norm(m.local).value(); }
 
 }  // namespace
 
@@ -40,20 +40,20 @@ BaseShape base_shape(const Forms& forms, const Shared& shared, const Body& b) {
     return shared.lengths.count(pair_key(b.base[i], b.base[j])) != 0;
   };
   const auto length = [&](std::size_t i, std::size_t j) -> Number {
-    if (!is_point(j)) return recorded::length(forms.at(b.base[j]));
+    if (!is_point(j)) return triple::length(forms.at(b.base[j]));
     const auto given = shared.lengths.find(pair_key(b.base[i], b.base[j]));
     if (given != shared.lengths.end()) return given->second;
-    return recorded::length(recorded::subtract(forms.at(b.base[j]), forms.at(b.base[i])));
+    return triple::length(triple::subtract(forms.at(b.base[j]), forms.at(b.base[i])));
   };
   BaseShape shape{length(0, 1)};
   if (b.base.size() == 2) return shape;
   const bool any_given = is_given(0, 1) || is_given(0, 2) || is_given(1, 2);
   if (!any_given || !is_point(1) || !is_point(2)) {
     const auto [x, y, z] = base_axes(forms, b);
-    const Numbers third = forms.at(base_direction(forms, b, 2));
-    const Number stretched = is_given(0, 2) ? length(0, 2) / recorded::length(third) : Number(1);
-    shape.x = stretched * recorded::dot(third, x);
-    shape.y = stretched * recorded::dot(third, y);
+    const Triple third = forms.at(base_direction(forms, b, 2));
+    const Number stretched = is_given(0, 2) ? length(0, 2) / triple::length(third) : Number(1);
+    shape.x = stretched * triple::dot(third, x);
+    shape.y = stretched * triple::dot(third, y);
     return shape;
   }
   const Number p = shape.length, q = length(0, 2), r = length(1, 2);
@@ -73,8 +73,8 @@ BaseShape base_shape(const Forms& forms, const Shared& shared, const Body& b) {
 void BodyWriter::declare_members() {
   for (const Body& b : forms_.scene().bodies()) {
     if (b.name == "ground") {
-      for (const Member& m : b.points) forms_.declare(m.name, numbers(m.local), true, 1);
-      for (const Member& m : b.vectors) forms_.declare(m.name, numbers(m.local), true, 0);
+      for (const Member& m : b.points) forms_.declare(m.name, m.local, true, 1);
+      for (const Member& m : b.vectors) forms_.declare(m.name, m.local, true, 0);
     } else if (!b.frame.empty()) {
       declare_in_frame(b);
     } else if (b.base.empty()) {
@@ -122,7 +122,7 @@ void BodyWriter::declare_in_frame(const Body& b) {
       } else {  // the second axis is the first one turned left
         forms_.append(terms, axes[0].form[k], forms_.constant(m.local[0], power, size_of_locals(m)));
         forms_.append(terms, axes[0].form[1 - k],
-                      forms_.constant(k == 0 ? -Number(m.local[1]) : Number(m.local[1]), power, size_of_locals(m)));
+                      forms_.constant(k == 0 ? -m.local[1] : m.local[1], power, size_of_locals(m)));
       }
       f[k] = forms_.form(terms);
     }
@@ -163,7 +163,7 @@ void BodyWriter::declare_in_space(const Body& b) {
   const Direction side = base_direction(forms_, b, 1);
   const Direction other = is_line ? side : base_direction(forms_, b, 2);
   const BaseShape shape = base_shape(forms_, shared_, b);
-  const auto out_of_plane = [](const Member& m) { return Number(m.local[2]) != 0; };
+  const auto out_of_plane = [](const Member& m) { return m.local[2] != 0; };
   const bool with_normal = std::any_of(b.points.begin(), b.points.end(), out_of_plane) ||
                            std::any_of(b.vectors.begin(), b.vectors.end(), out_of_plane);
   const std::string normal = b.name + ".normal";
@@ -322,7 +322,7 @@ void BodyWriter::write_base(const Body& b) {
     if (forms_.all_known(a) && forms_.all_known(c) && is_constant(side, side)) return;
     if (!shared_.distances.insert(pair_key(p, q)).second) return;
     forms_.distance_equation(forms_.source("body " + b.name), a, c,
-                             recorded::length(recorded::subtract(forms_.at(p), forms_.at(q))));
+                             triple::length(triple::subtract(forms_.at(p), forms_.at(q))));
   };
   if (!posed_by_equations(b)) {
     const auto is_point = [&](std::size_t i) { return forms_.item(b.base[i]).dimension == 1; };

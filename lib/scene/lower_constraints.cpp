@@ -11,11 +11,11 @@
 namespace assur {
 namespace {
 
-using recorded::dot;
-using recorded::subtract;
+using triple::dot;
+using triple::subtract;
 
 // lambda of e = lambda d.
-Number ratio(const Numbers& d, const Numbers& e) {
+Number ratio(const Triple& d, const Triple& e) {
   const Number dd = dot(d, d);
   return dd > 0 ? dot(d, e) / dd : Number(0);
 }
@@ -52,7 +52,7 @@ void ConstraintWriter::declare(const std::string& name, const OnLine& c) {
 }
 
 void ConstraintWriter::declare(const std::string& name, const OnPlane& c) {
-  const Numbers d = forms_.at(c.d), e = forms_.at(c.e), r = subtract(forms_.at(c.p), forms_.at(c.a));
+  const Triple d = forms_.at(c.d), e = forms_.at(c.e), r = subtract(forms_.at(c.p), forms_.at(c.a));
   const Number dd = dot(d, d), de = dot(d, e), ee = dot(e, e), det = dd * ee - de * de;
   const Number lambda = det > 0 ? (dot(d, r) * ee - dot(e, r) * de) / det : Number(0);
   const Number mu = det > 0 ? (dot(e, r) * dd - dot(d, r) * de) / det : Number(0);
@@ -90,8 +90,8 @@ void ConstraintWriter::write_equations() {
 }
 
 void ConstraintWriter::write(const std::string& name, const Distance& c) {
-  const Number written = recorded::length(subtract(forms_.at(c.p), forms_.at(c.q)));
-  const Number length = c.value ? Number(*c.value) : written;
+  const Number written = triple::length(subtract(forms_.at(c.p), forms_.at(c.q)));
+  const Number length = c.value ? *c.value : written;
   // Only a note depends on this comparison.
   if (std::abs(length.value() - written.value()) > kDisagree * length.value()) {
     note_new_shape(name, c, written.value());
@@ -110,7 +110,7 @@ void ConstraintWriter::note_new_shape(const std::string& name, const Distance& c
     forms_.system().notes.push_back(
         {"/constraints/" + name, "the distance and `at` disagree: " + in_quotes(c.p) + " and " + in_quotes(c.q) +
                                      " of body " + in_quotes(b.name) + " are " + general(written, 6) +
-                                     " m apart by `at` and " + general(*c.value, 6) +
+                                     " m apart by `at` and " + general(c.value->value(), 6) +
                                      " m by the constraint; the constraint wins, and the body has another shape"});
     return;
   }
@@ -127,7 +127,7 @@ void ConstraintWriter::write(const std::string& name, const Dot& c) {
   const Forms::Components d = forms_.direction(c.d), e = forms_.direction(c.e);
   std::vector<Product> products;
   forms_.add_dot(products, d.form, e.form);
-  const Number value = c.value ? Number(*c.value) : dot(forms_.at(c.d), forms_.at(c.e));
+  const Number value = c.value ? *c.value : dot(forms_.at(c.d), forms_.at(c.e));
   const Index known = forms_.constant(-value, d.power + e.power);
   forms_.equation(forms_.source(name), products, {{kOne, known}});
 }
@@ -184,7 +184,7 @@ void ConstraintWriter::write(const std::string& name, const Linear& c) {
       forms_.append(linear, forms_.item(c.terms[i].first).form[k], factor[i]);
     }
     // A zero is kept, so that the pattern does not depend on values.
-    forms_.append(linear, forms_.constant_form(-Number(c.value[static_cast<std::size_t>(k)]), points), kPlus);
+    forms_.append(linear, forms_.constant_form(-c.value[static_cast<std::size_t>(k)], points), kPlus);
     forms_.equation(from, {}, linear);
   }
 }
@@ -192,7 +192,7 @@ void ConstraintWriter::write(const std::string& name, const Linear& c) {
 void ConstraintWriter::write(const std::string& name, const FixedCoordinate& c) {
   Terms linear;
   forms_.append(linear, forms_.scalar_form(c.coordinate), kPlus);
-  forms_.append(linear, forms_.constant_form(-Number(c.value), forms_.scalar_dimension(c.coordinate)), kPlus);
+  forms_.append(linear, forms_.constant_form(-c.value, forms_.scalar_dimension(c.coordinate)), kPlus);
   forms_.equation(forms_.source(name), {}, linear);
 }
 

@@ -35,7 +35,7 @@ void DriverWriter::write_polar_arm(Index from, const Driver& d, const PointAngle
   const Item &foot = forms_.item(a.a), &end = forms_.item(a.b);
   const bool in_space = forms_.dimension() == 3;
   const Index length = in_space ? forms_.item(d.name + ".rho").form[0] : input_form(partner(n), 0);
-  const Numbers axis = in_space ? forms_.at(a.axis) : Numbers{}, e1 = zero_of(a), e2 = recorded::cross(axis, e1);
+  const Triple axis = in_space ? forms_.at(a.axis) : Triple{}, e1 = zero_of(a), e2 = triple::cross(axis, e1);
   const Number z = along_axis(a);
   for (int k = 0; k < forms_.dimension(); ++k) {
     const auto i = static_cast<std::size_t>(k);
@@ -81,7 +81,7 @@ void DriverWriter::write(Index from, const Driver& driver, const RelativeAngle& 
   if (forms_.dimension() == 2) {
     products = {{d.form[0], e.form[1], kPlus}, {d.form[1], e.form[0], kMinus}};
   } else if (forms_.is_fixed(forms_.item(r.axis))) {
-    const Numbers a = forms_.at(r.axis);
+    const Triple a = forms_.at(r.axis);
     for (int k = 0; k < 3; ++k) {
       const Number& c = a[static_cast<std::size_t>(k)];
       products.push_back({d.form[kNext[k]], e.form[kAfter[k]], forms_.constant(c)});
@@ -111,7 +111,7 @@ void DriverWriter::append_own(std::vector<Index>& own, const Direction& d) {
 }
 
 void DriverWriter::note_own(std::vector<Index>& own, const PointAngle& a) {
-  const Numbers zero = zero_of(a);
+  const Triple zero = zero_of(a);
   for (int k = 0; k < forms_.dimension(); ++k) {
     own.push_back(forms_.constant_form(zero[static_cast<std::size_t>(k)], 0));
   }

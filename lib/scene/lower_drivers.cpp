@@ -13,18 +13,18 @@ void DriverWriter::declare_auxiliaries() {
   for (std::size_t i = 0; i < drivers.size(); ++i) {
     const Driver& d = drivers[i];
     if (const auto* a = std::get_if<PointAngle>(&d.kind); a != nullptr && forms_.dimension() == 3 && partner_[i] >= 0) {
-      const Numbers axis = forms_.at(a->axis);
-      const Numbers across = recorded::cross(axis, recorded::subtract(forms_.at(a->b), forms_.at(a->a)));
-      declare_rho(static_cast<Index>(i), 1, recorded::length(across));
+      const Triple axis = forms_.at(a->axis);
+      const Triple across = triple::cross(axis, triple::subtract(forms_.at(a->b), forms_.at(a->a)));
+      declare_rho(static_cast<Index>(i), 1, triple::length(across));
     }
     const auto* r = std::get_if<RelativeAngle>(&d.kind);
     if (r == nullptr) continue;
-    const Numbers from = forms_.at(r->d), to = forms_.at(r->e);
+    const Triple from = forms_.at(r->d), to = forms_.at(r->e);
     const int power = forms_.power(r->d) + forms_.power(r->e);
-    declare_rho(static_cast<Index>(i), power, recorded::length(from) * recorded::length(to));
+    declare_rho(static_cast<Index>(i), power, triple::length(from) * triple::length(to));
     if (forms_.dimension() == 3 && !forms_.is_fixed(forms_.item(r->axis))) {
       const std::string across = d.name + ".across";
-      forms_.declare(across, recorded::cross(forms_.at(r->axis), from), false, forms_.power(r->d));
+      forms_.declare(across, triple::cross(forms_.at(r->axis), from), false, forms_.power(r->d));
       shared_.without_norm.insert(across);
     }
   }
@@ -176,34 +176,34 @@ void DriverWriter::assign(Index coordinate, Index form) {
 }
 
 // The direction from A to B at the angle 0.
-Numbers DriverWriter::zero_of(const PointAngle& a) const {
+Triple DriverWriter::zero_of(const PointAngle& a) const {
   if (forms_.dimension() == 2) return {1, 0, 0};
-  const Numbers ab = recorded::subtract(forms_.at(a.b), forms_.at(a.a)), axis = forms_.at(a.axis);
-  return direction_of(recorded::subtract(ab, recorded::scale(recorded::dot(ab, axis), axis)));
+  const Triple ab = triple::subtract(forms_.at(a.b), forms_.at(a.a)), axis = forms_.at(a.axis);
+  return direction_of(triple::subtract(ab, triple::scale(triple::dot(ab, axis), axis)));
 }
 
 // The part of AB along the axis; 0 in the plane.
 Number DriverWriter::along_axis(const PointAngle& a) const {
   if (forms_.dimension() == 2) return 0;
-  return recorded::dot(recorded::subtract(forms_.at(a.b), forms_.at(a.a)), forms_.at(a.axis));
+  return triple::dot(triple::subtract(forms_.at(a.b), forms_.at(a.a)), forms_.at(a.axis));
 }
 
 // B = A + r (cos, sin) in the plane; A + z n + r (cos e1 + sin e2) about a fixed axis n in space.
 Index DriverWriter::arm_end(const Driver& d, const PointAngle& a, Index n, int k) {
-  const Numbers ab = recorded::subtract(forms_.at(a.b), forms_.at(a.a));
+  const Triple ab = triple::subtract(forms_.at(a.b), forms_.at(a.a));
   const auto given = shared_.radius.find(d.name);
-  const Number length = given != shared_.radius.end() ? given->second : recorded::length(ab);
+  const Number length = given != shared_.radius.end() ? given->second : triple::length(ab);
   Terms terms;
   forms_.append(terms, forms_.item(a.a).form[k], kPlus);
   if (forms_.dimension() == 2) {
     forms_.append(terms, input_form(n, k), forms_.constant(length, 1));
     return forms_.form(terms);
   }
-  const Numbers axis = forms_.at(a.axis);
+  const Triple axis = forms_.at(a.axis);
   const Number z = along_axis(a);
-  const Numbers e1 = zero_of(a), e2 = recorded::cross(axis, e1);
+  const Triple e1 = zero_of(a), e2 = triple::cross(axis, e1);
   const Number r = sqrt(length * length - z * z);
-  const auto at_k = [&](const Numbers& v) { return v[static_cast<std::size_t>(k)]; };
+  const auto at_k = [&](const Triple& v) { return v[static_cast<std::size_t>(k)]; };
   forms_.append(terms, forms_.constant_form(z * at_k(axis), 1), kPlus);
   forms_.append(terms, input_form(n, 0), forms_.constant(r * at_k(e1), 1));
   forms_.append(terms, input_form(n, 1), forms_.constant(r * at_k(e2), 1));

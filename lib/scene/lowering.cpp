@@ -7,6 +7,7 @@
 #include "decimal.hpp"
 #include "index.hpp"
 #include "scene/drive.hpp"
+#include "scene/law_sum.hpp"
 #include "scene/lowering_parts.hpp"
 #include "scene/names.hpp"
 #include "scene/own_values.hpp"
@@ -24,16 +25,16 @@ int length_exponent(const Scene& scene) {
   std::unordered_map<std::string_view, const Triple*> at;
   for (const Point& p : scene.points()) at.emplace(p.name, &p.at);
   for (const Body& b : scene.bodies()) {
-    for (const Member& m : b.points) see(recorded::length(m.local).value());
+    for (const Member& m : b.points) see(triple::length(m.local).value());
   }
   const auto see_pair = [&](const std::string& a, const std::string& b) {
     const auto i = at.find(a), j = at.find(b);
-    if (i != at.end() && j != at.end()) see(recorded::length(recorded::subtract(*i->second, *j->second)).value());
+    if (i != at.end() && j != at.end()) see(triple::length(triple::subtract(*i->second, *j->second)).value());
   };
   for (const Constraint& c : scene.constraints()) {
     if (const auto* d = c.as<Distance>()) {
       if (d->value) {
-        see(*d->value);
+        see(d->value->value());
       } else {
         see_pair(d->p, d->q);
       }
@@ -45,7 +46,7 @@ int length_exponent(const Scene& scene) {
     if (const auto* a = std::get_if<DrivenDistance>(&d.kind)) see_pair(a->a, a->b);
   }
   if (exponents.empty()) {
-    for (const Point& p : scene.points()) see(recorded::length(p.at).value());
+    for (const Point& p : scene.points()) see(triple::length(p.at).value());
   }
   if (exponents.empty()) return 0;
   const auto middle = exponents.begin() + static_cast<std::ptrdiff_t>(exponents.size() / 2);
@@ -54,9 +55,9 @@ int length_exponent(const Scene& scene) {
 }
 
 void declare_points_and_vectors(Forms& forms, Shared& shared) {
-  for (const Point& p : forms.scene().points()) forms.declare(p.name, numbers(p.at), p.fixed, 1);
+  for (const Point& p : forms.scene().points()) forms.declare(p.name, p.at, p.fixed, 1);
   for (const Vector& v : forms.scene().vectors()) {
-    forms.declare(v.name, numbers(v.at), v.fixed, 0);
+    forms.declare(v.name, v.at, v.fixed, 0);
     if (v.fixed || !v.unit) shared.without_norm.insert(v.name);
   }
 }
@@ -172,36 +173,37 @@ void declare_limits(System& s) {
     for (const bool is_max : {false, true}) {
       bound.is_max = is_max;
       bound.value = is_max ? l.max : l.min;
-      if (std::isfinite(bound.value)) s.bounds.push_back(bound);
+      if (isfinite(bound.value)) s.bounds.push_back(bound);
     }
   }
 }
 
 // Adds the value in the posture as written to laws that are relative to it.
-void count_from_guess(const System& s, DriverInput& in) {
+void count_from_guess(const System& s, DriverInput& in, std::span<const Number> guess) {
   const std::string where = "/drivers/" + s.drivers[idx(in.driver)];
-  if (const std::string why = why_undefined(s, in, s.guess); !why.empty()) {
+  if (const std::string why = why_undefined(s, in, guess); !why.empty()) {
     throw Error(Error::Kind::input,
                 {{where, "the law is relative to an undefined angle: in the posture as written " + why}});
   }
-  const std::vector<double> from = own_values(s, in, s.guess);
+  const std::vector<Number> from = own_values(s, in, guess);
   for (std::size_t k = 0; k < in.laws.size(); ++k) in.laws[k] = Law::constant(from[k]) + in.laws[k];
   if (s.scene->drivers()[idx(in.driver)].sets_difference) in.zero = from[0];
-  const double start = in.laws[0](s.scene->time().start).value;
+  const Number start = value_of(in.laws[0], s.scene->time().start);
   if (in.must_not_vanish && start <= 0) {
-    throw Error(Error::Kind::input, {{where + "/law", "the distance at the start is " + general(start, 6) +
+    throw Error(Error::Kind::input, {{where + "/law", "the distance at the start is " + general(start.value(), 6) +
                                                           " m; a driven distance must stay > 0"}});
   }
 }
 
 // Driven coordinates start at the values of their laws. A guess that disagrees is replaced, with a note.
 void set_driven_guess(System& s) {
-  const std::vector<double> written = s.guess;
+  std::vector<Number> written;
+  for (Index c = 0; c < static_cast<Index>(s.guess.size()); ++c) written.push_back(s.guess_of(c));
+  std::vector<double> posture = s.guess;  // the posture as written, with the values of the laws
   for (DriverInput& in : s.inputs) {
-    if (s.scene->drivers()[idx(in.driver)].relative) count_from_guess(s, in);
+    if (s.scene->drivers()[idx(in.driver)].relative) count_from_guess(s, in, written);
   }
   (void)drive(s, s.scene->time().start, s.guess.data(), nullptr, nullptr);
-  std::vector<double> posture = written;  // the posture as written, with the values of the laws
   for (DriverInput& in : s.inputs) {
     std::copy_n(s.guess.begin() + in.first, in.count, posture.begin() + in.first);
     in.written = written_values(s, in, written);

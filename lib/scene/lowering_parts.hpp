@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "scene/forms.hpp"
-#include "scene/recorded.hpp"
+#include "scene/triple.hpp"
 
 namespace assur {
 
@@ -23,7 +23,7 @@ inline Pair pair_key(const std::string& a, const std::string& b) { return std::m
 
 inline constexpr double kDisagree = 1e-3;  // relative difference; guesses are written with three digits or more
 
-inline Numbers direction_of(const Numbers& a) { return recorded::scale(1 / recorded::length(a), a); }
+inline Triple direction_of(const Triple& a) { return triple::scale(1 / triple::length(a), a); }
 
 // Data that the parts share.
 struct Shared {
@@ -167,7 +167,7 @@ class DriverWriter {
   bool fix(const Driver& driver, const Pose& p, Index index);
   [[nodiscard]] bool can_be_fixed(const Item& item) const;
   void assign(Index coordinate, Index form);
-  [[nodiscard]] Numbers zero_of(const PointAngle& angle) const;
+  [[nodiscard]] Triple zero_of(const PointAngle& angle) const;
   [[nodiscard]] Number along_axis(const PointAngle& angle) const;
   Index arm_end(const Driver& driver, const PointAngle& angle, Index index, int k);
   // The drivers of the direction and of the distance of the same points are partners.

@@ -16,11 +16,12 @@ namespace assur {
 
 // The values of a driver in a posture, one for each law; SI units, angles in (-pi, pi].
 [[nodiscard]] std::vector<double> own_values(const System& system, const DriverInput& input, std::span<const double> q);
+[[nodiscard]] std::vector<Number> own_values(const System& system, const DriverInput& input, std::span<const Number> q);
 
 // The same, but NaN for values that the posture does not determine: the angle of a direction without length or along
 // the axis, a distance of 0, and psi and phi of a pose at theta = +-pi / 2.
-[[nodiscard]] std::vector<double> written_values(const System& system, const DriverInput& input,
-                                                 std::span<const double> q);
+[[nodiscard]] std::vector<Number> written_values(const System& system, const DriverInput& input,
+                                                 std::span<const Number> q);
 
 // The values that the inputs in q prescribe, in the same form.
 [[nodiscard]] std::vector<double> wanted_values(const System& system, const DriverInput& input,
@@ -36,6 +37,7 @@ void drive_by_values(const System& system, const std::vector<std::vector<double>
 // The reason why a driver has no value in this posture, e.g. a direction without length or along the axis; "": it has
 // one.
 [[nodiscard]] std::string why_undefined(const System& system, const DriverInput& input, std::span<const double> q);
+[[nodiscard]] std::string why_undefined(const System& system, const DriverInput& input, std::span<const Number> q);
 
 // Tolerance of the values. Redundant equations hold to a relative 1e-10; the rest of the tolerance allows for values
 // that amplify an error of an equation. Wrong values that satisfy the equations differ by half a turn or a reflection.

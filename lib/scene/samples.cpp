@@ -10,7 +10,6 @@
 
 #include "parallel/free_memory.hpp"
 #include "scene/names.hpp"
-#include "scene/number.hpp"
 #include "scene/scene_source.hpp"
 
 namespace assur::samples {
@@ -61,7 +60,7 @@ std::vector<Sample> make_table() {
        {count("loops", 1, 1, kMany, "number of four-bars"), omega(2 * std::numbers::pi, "speed of the crank, rad/s"),
         step(0.001), steps(1000)},
        four_bar,
-       [](const Values& v) { return 2 * v["loops"]; }},
+       [](const Values& v) { return 2 * v.plain("loops"); }},
       {"gough",
        "forward kinematics of Dietmaier's Stewart-Gough platform with 40 postures",
        "posture",
@@ -85,14 +84,14 @@ std::vector<Sample> make_table() {
         length("Lk", 0.619, "pin to knee"), length("Ll", 0.078, "distance of the pivots below the shaft"),
         length("Lm", 0.15, "radius of the crank"), omega(std::numbers::pi, "speed of the crank, rad/s")},
        jansen,
-       [](const Values& v) { return 6 * v["legs"]; }},
+       [](const Values& v) { return 6 * v.plain("legs"); }},
       {"n_four_bar",
        "rhombi in series, IFToMM A02 as kinematics",
        "loops",
        {count("loops", 40, 1, kMany, "number of four-bars"),
         real("swing", 1.2, -7, 7, "amplitude of the crank about the vertical, rad"), step(0.01), steps(1000)},
        n_four_bar,
-       [](const Values& v) { return 2 * v["loops"]; }},
+       [](const Values& v) { return 2 * v.plain("loops"); }},
       {"parallelograms",
        "parallelograms in series, each with a redundant third rod",
        "loops",
@@ -100,7 +99,7 @@ std::vector<Sample> make_table() {
         real("excess", 0, -0.5, 0.5, "excess length of the third rods, m"), omega(1, "speed of the motion, rad/s"),
         step(0.01), steps(1000)},
        parallelograms,
-       [](const Values& v) { return 2 * v["loops"]; }},
+       [](const Values& v) { return 2 * v.plain("loops"); }},
       {"rings",
        "planar rings: one driven terminal, and legs that depend on it",
        "",
@@ -109,7 +108,7 @@ std::vector<Sample> make_table() {
         count("terminal", 24, 12, kMany, "unknowns of the terminal", 2), omega(1, "speed of the drivers, rad/s"),
         step(0.01), steps(1000)},
        rings,
-       [](const Values& v) { return v["legs"] * v["n"] + v["terminal"]; }},
+       [](const Values& v) { return v.plain("legs") * v.plain("n") + v.plain("terminal"); }},
       {"scissor",
        "scissor lift, which a cylinder at its foot extends",
        "stages",
@@ -117,7 +116,7 @@ std::vector<Sample> make_table() {
         length("closed", 1.9, "width at the low end of the stroke"), length("open", 0.8, "width at the high end"),
         real("time", 10, 1e-9, 1e9, "time of one stroke up and down, s")},
        scissor,
-       [](const Values& v) { return 4 * v["stages"]; }},
+       [](const Values& v) { return 4 * v.plain("stages"); }},
       {"slider_crank",
        "slider-crank, one turn per second",
        "",
@@ -132,7 +131,7 @@ std::vector<Sample> make_table() {
         count("platforms", 1, 1, kMany, "number of copies, which move out of phase"),
         omega(1, "speed of the motion, rad/s"), step(0.01), steps(1000)},
        stewart,
-       [](const Values& v) { return v["platforms"] * (15 * v["legs"] + 12); }},
+       [](const Values& v) { return v.plain("platforms") * (15 * v.plain("legs") + 12); }},
       {"whitworth",
        "Whitworth's quick return, tilted in space",
        "",
@@ -185,10 +184,9 @@ std::string allowed(const Option& option) {
   return (option.multiple == 1 ? "a whole number" : "a multiple of " + std::to_string(option.multiple)) + range;
 }
 
-bool accepts(const Option& option, double value) {
-  if (option.kind == Option::Kind::word || !(Number(value) >= option.least && Number(value) <= option.most))
-    return false;
-  return option.kind == Option::Kind::real || std::fmod(value, static_cast<double>(option.multiple)) == 0;
+bool accepts(const Option& option, const Number& value) {
+  if (option.kind == Option::Kind::word || !(value >= option.least && value <= option.most)) return false;
+  return option.kind == Option::Kind::real || std::fmod(value.value(), static_cast<double>(option.multiple)) == 0;
 }
 
 // Calls assign(name, value) for each item of "legs=8,omega=2".
@@ -238,9 +236,9 @@ class Request {
         [&](const std::string& what) { refuse_with_usage(what); });
   }
 
-  void set(std::string_view name, double value) {
+  void set(std::string_view name, const Number& value) {
     const Option& option = find_option(name);
-    if (!accepts(option, value)) refuse_value(option, shortest(value));
+    if (!accepts(option, value)) refuse_value(option, shortest(value.value()));
     values_.set(name, value);
   }
 

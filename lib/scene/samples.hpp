@@ -30,17 +30,19 @@ class Values {
  public:
   explicit Values(std::span<const Option> options);
 
-  [[nodiscard]] double operator[](std::string_view option) const { return value_[index(option)]; }
-  [[nodiscard]] int count(std::string_view option) const { return static_cast<int>(value_[index(option)]); }
+  [[nodiscard]] const Number& operator[](std::string_view option) const { return value_[index(option)]; }
+  // Without its origin: mechanisms of a table have the time grid of the first one.
+  [[nodiscard]] double plain(std::string_view option) const { return value_[index(option)].value(); }
+  [[nodiscard]] int count(std::string_view option) const { return static_cast<int>(double{value_[index(option)]}); }
   [[nodiscard]] std::string_view word(std::string_view option) const;
 
-  void set(std::string_view option, double value) { value_[index(option)] = value; }
+  void set(std::string_view option, const Number& value) { value_[index(option)] = value; }
 
  private:
   [[nodiscard]] std::size_t index(std::string_view option) const;
 
   std::span<const Option> options_;
-  std::vector<double> value_;
+  std::vector<Number> value_;
 };
 
 struct Sample {

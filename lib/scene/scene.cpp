@@ -10,7 +10,7 @@
 #include "scene/joints/joints.hpp"
 #include "scene/names.hpp"
 #include "scene/poses.hpp"
-#include "scene/recorded.hpp"
+#include "scene/triple.hpp"
 #include "scene/validation.hpp"
 
 namespace assur {
@@ -29,10 +29,10 @@ struct Normalised {
 };
 
 void normalise(const std::string& name, Triple& at, const Where& where, std::vector<Normalised>& all) {
-  const Number length = recorded::norm(at);
+  const Number length = triple::norm(at);
   if (abs(length - 1) <= kRounded) return;
   if (std::abs(length.value() - 1) > kNearlyUnit) all.push_back({name, where.text(), length.value()});
-  at = recorded::scale(1 / length, at);
+  at = triple::scale(1 / length, at);
 }
 
 // Writes one note for all vectors.

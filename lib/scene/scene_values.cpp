@@ -40,9 +40,9 @@ class NamedNumbers {
     if (c.as<Gear>() != nullptr) return add_value(c, *c.as<Gear>(), [](Gear& gear) { return &gear.ratio; });
     if (c.as<Dot>() != nullptr) return add_value(c, *c.as<Dot>(), [](Dot& dot) { return &dot.value.emplace(); });
     if (auto* distance = std::get_if<Distance>(&c.kind)) {
-      value_of_.emplace(c.name, [distance](double value) { distance->value = value; });
+      value_of_.emplace(c.name, [distance](const Number& value) { distance->value = value; });
     } else if (auto* fixed = std::get_if<FixedCoordinate>(&c.kind)) {
-      value_of_.emplace(c.name, [fixed](double value) { fixed->value = value; });
+      value_of_.emplace(c.name, [fixed](const Number& value) { fixed->value = value; });
     }
   }
 
@@ -50,7 +50,7 @@ class NamedNumbers {
     return number_of_.contains(name) || value_of_.contains(name);
   }
 
-  void set(const std::string& name, double value) {
+  void set(const std::string& name, const Number& value) {
     if (const auto number = number_of_.find(name); number != number_of_.end()) {
       *number->second = value;
     } else {
@@ -69,18 +69,18 @@ class NamedNumbers {
 
  private:
   // Constraints of other kinds share their content with copies of the scene, so that it is replaced as a whole.
-  template <class Kind, class Number>
-  void add_value(Constraint& c, const Kind& kind, const Number& number) {
-    value_of_.emplace(c.name, [&c, kind, number](double value) {
+  template <class Kind, class Slot>
+  void add_value(Constraint& c, const Kind& kind, const Slot& slot) {
+    value_of_.emplace(c.name, [&c, kind, slot](const Number& value) {
       Kind other = kind;
-      *number(other) = value;
+      *slot(other) = value;
       c.kind = Apart<Kind>(std::move(other));
     });
   }
 
   int dimension_;
-  std::unordered_map<std::string, double*> number_of_;
-  std::unordered_map<std::string, std::function<void(double)>> value_of_;
+  std::unordered_map<std::string, Number*> number_of_;
+  std::unordered_map<std::string, std::function<void(const Number&)>> value_of_;
 };
 
 template <class Parts>

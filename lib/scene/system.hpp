@@ -13,6 +13,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 #include <variant>
 #include <vector>
 
@@ -97,8 +98,8 @@ struct DriverInput {
   // Forms of the driven quantity, for own_values(): a coordinate, the components of a distance, two directions (and in
   // space the axis), or the origin and axes of a body.
   std::vector<Index> own;
-  double zero = 0;              // SI unit; a driver with one law: added to the value that a program sets
-  std::vector<double> written;  // values of the driver in the posture as written, one for each law, SI units
+  Number zero = 0;              // SI unit; a driver with one law: added to the value that a program sets
+  std::vector<Number> written;  // values of the driver in the posture as written, one for each law, SI units
 };
 
 // An auxiliary unknown that must be > 0: rho of a relative angle. With rho < 0 the angle is wrong by half a turn.
@@ -154,7 +155,7 @@ struct MeasureForms {
   };
   struct SumTerm {
     Index measure;
-    double factor;
+    Number factor;
   };
   std::string name;
   Kind kind = Kind::form;
@@ -163,7 +164,7 @@ struct MeasureForms {
   std::vector<Index> forms;
   std::int8_t dimension = 0;   // power of length of the value
   std::vector<SumTerm> terms;  // terms of a sum
-  double constant = 0;         // constant of a sum, SI units
+  Number constant = 0;         // constant of a sum, SI units
 
   [[nodiscard]] bool is_sum() const { return kind == Kind::sum || kind == Kind::sum_of_angles; }
 };
@@ -171,7 +172,7 @@ struct MeasureForms {
 // One bound of a limit.
 struct Bound {
   Index measure = 0;   // index into System::measures
-  double value = 0;    // SI units
+  Number value = 0;    // SI units
   bool is_max = true;  // the largest allowed value; false: the smallest one
   bool ends = true;    // the motion ends there
   Index input = -1;    // index into System::inputs: the driver of the coordinate of a joint; -1: it is not driven
@@ -221,6 +222,12 @@ class System {
   [[nodiscard]] std::span<const Product> products_of(const Equation& e) const {
     return {products.data() + e.products_begin, products.data() + e.products_end};
   }
+  // Constants and guesses with their origins, and what adds them.
+  [[nodiscard]] Number constant(Index c) const { return with_origin(constants, constant_origins_, c); }
+  [[nodiscard]] Number guess_of(Index coordinate) const { return with_origin(guess, guess_origins_, coordinate); }
+  Index add_constant(const Number& value) { return add(constants, constant_origins_, value); }
+  void add_guess(const Number& value) { (void)add(guess, guess_origins_, value); }
+
   // Fills by_name; to be called after all items were added.
   void index_names();
   // The item of that name; -1: there is none.
@@ -236,6 +243,21 @@ class System {
 
   // SI value of one internal unit of a quantity with this power of length.
   [[nodiscard]] double unit(int power) const;
+
+ private:
+  using Origins = std::unordered_map<Index, Number>;  // of the numbers that follow from parameters of a table
+  static Number with_origin(const std::vector<double>& values, const Origins& origins, Index i) {
+    const auto found = origins.find(i);
+    return found != origins.end() ? found->second : Number(values[static_cast<std::size_t>(i)]);
+  }
+  static Index add(std::vector<double>& values, Origins& origins, const Number& value) {
+    const auto i = static_cast<Index>(values.size());
+    values.push_back(value.value());
+    if (value.has_origin()) origins.emplace(i, value);
+    return i;
+  }
+
+  Origins constant_origins_, guess_origins_;
 };
 
 // Values of the forms and equations at a posture q (all coordinates); T = double or a quad type.

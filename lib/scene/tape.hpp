@@ -1,61 +1,22 @@
-// A tape: the record of how numbers of a mechanism follow from parameters. It computes them again for other values of
-// the parameters, without a scene (Griewank and Walther, Evaluating Derivatives, 2008, chapter 4).
-//
-// While a tape records, the parameters have values with random last digits. So a double that some code copies still
-// tells by its bits which number of the tape it is. A computation in plain double is lost: its result counts as a
-// number that does not depend on the parameters. Who uses a tape must therefore compare it with the real computation
-// at other values.
+// A tape: while it records, it receives how Numbers of a mechanism follow from parameters (Griewank and Walther,
+// Evaluating Derivatives, 2008, chapter 4). Each such Number knows its place on the tape; a conversion to double loses
+// it, which the tape notes. side_by_side/parameter_tape.hpp computes the numbers again for other values.
 #pragma once
 
-#include <bit>
 #include <cstdint>
 #include <span>
 #include <string>
-#include <unordered_map>
+#include <string_view>
 #include <vector>
+
+#include "assur/number.hpp"
 
 namespace assur {
 
 class Tape {
  public:
-  // Place of a number on the tape; kNone: it does not depend on the parameters.
-  using Node = std::int32_t;
-  static constexpr Node kNone = -1;
-
-  enum class Kind : std::uint8_t {
-    parameter,  // a: index of the parameter
-    literal,    // a: index into literals()
-    add,
-    subtract,
-    multiply,
-    divide,
-    negate,
-    fused,      // a b + c, rounded once
-    root,       // square root
-    length,     // (a^2 + b^2 + c^2)^1/2
-    magnitude,  // |a|
-    angle,      // atan2(a, b)
-    formula,    // b: index into formulas()
-  };
-  struct Operation {
-    Kind kind;
-    Node a = kNone, b = kNone, c = kNone;
-  };
-  // A text that muParser evaluates.
-  struct Formula {
-    std::string text;
-    std::vector<std::string> names;
-    std::vector<Node> arguments;  // names
-  };
-  // A comparison that the recorded computation made: a < b (else a == b), with its outcome. With another outcome the
-  // computation would have gone another way.
-  struct Guard {
-    Node a, b;
-    bool is_less, outcome;
-  };
-
-  // `values` of the parameters, with random last digits.
-  explicit Tape(std::span<const double> values);
+  Tape();
+  virtual ~Tape() = default;
   Tape(const Tape&) = delete;
   Tape& operator=(const Tape&) = delete;
 
@@ -73,35 +34,31 @@ class Tape {
     Tape* before_;
   };
 
-  // The node of a double, by its bits.
-  [[nodiscard]] Node find(double value) const {
-    const auto found = node_of_.find(std::bit_cast<std::uint64_t>(value));
-    return found == node_of_.end() ? kNone : found->second;
-  }
-  // Records an operation and its result. Operands that are not on the tape become literals.
-  Node record(Kind kind, double result, const Operation& operands);
-  Node literal(double value);
-  void compare(const Guard& guard) { guards_.push_back(guard); }
-  // Records a formula unless its result is known already.
-  void record(Formula formula, double result);
+  // True if the number is on this tape: it follows from the parameters.
+  [[nodiscard]] bool has(const Number& number) const { return number.origin_ >> 32 == serial_; }
+  // The value of a text of these names, which muParser evaluates.
+  [[nodiscard]] virtual Number formula(std::string text, std::vector<std::string> names,
+                                       std::span<const Number> arguments, double value) = 0;
+  // Notes that a number is used where nothing is recorded.
+  void lose(const Number& number, std::string_view why);
+  // Why the numbers cannot be computed again; "": they can.
+  [[nodiscard]] const std::string& lost() const { return lost_; }
 
-  [[nodiscard]] std::span<const Operation> operations() const { return operations_; }
-  [[nodiscard]] std::span<const double> literals() const { return literals_; }
-  [[nodiscard]] std::span<const Formula> formulas() const { return formulas_; }
-  [[nodiscard]] std::span<const Guard> guards() const { return guards_; }
-  [[nodiscard]] std::size_t parameters() const { return parameters_; }
+ protected:
+  [[nodiscard]] Number number(double value, std::size_t place) const { return {value, serial_ << 32 | place}; }
+  // Of a number that is on the tape.
+  [[nodiscard]] static std::size_t place_of(const Number& number) { return number.origin_ & 0xffffffff; }
 
  private:
-  Node add(const Operation& operation, double result);
+  friend class Number;
+  // Records an operation, of which at least one operand is on the tape. Returns the place of its result.
+  virtual std::size_t operation(Number::Kind kind, const Number& a, const Number& b, const Number& c) = 0;
+  // Records the outcome of a < b (else a == b). With another one the computation would have gone another way.
+  virtual void comparison(const Number& a, const Number& b, bool is_less, bool outcome) = 0;
 
   static constinit thread_local Tape* active_;
-  std::size_t parameters_;
-  std::vector<Operation> operations_;
-  std::vector<double> literals_;
-  std::vector<Formula> formulas_;
-  std::vector<Guard> guards_;
-  std::unordered_map<std::uint64_t, Node> node_of_;     // by the bits of the value
-  std::unordered_map<std::uint64_t, Node> literal_of_;  // by the bits of the value
+  std::uint64_t serial_;  // from 1
+  std::string lost_;
 };
 
 }  // namespace assur

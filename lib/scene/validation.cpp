@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "scene/recorded.hpp"
+#include "scene/triple.hpp"
 
 namespace assur {
 namespace {
@@ -152,8 +152,8 @@ Validation::Involved Validation::direction(const Direction& direction, const Whe
 
 Validation::Involved Validation::pair(const Involved& from, const Involved& to, const Direction& names,
                                       const Where& where) {
-  const Involved out{from.usable && to.usable, from.fixed && to.fixed, recorded::subtract(to.at, from.at)};
-  if (!out.usable || !out.fixed || is_made_ || recorded::norm(out.at) != 0) return out;
+  const Involved out{from.usable && to.usable, from.fixed && to.fixed, triple::subtract(to.at, from.at)};
+  if (!out.usable || !out.fixed || is_made_ || triple::norm(out.at) != 0) return out;
   report(where, "a direction from " + in_quotes(names.first) + " to " + in_quotes(names.second) +
                     ", which are at the same place; points at different places are wanted");
   return {};
@@ -167,8 +167,8 @@ void Validation::check_axis(const std::string& name, std::initializer_list<std::
   for (const auto& [direction, involved] : of) {
     const bool itself = !direction.is_pair() && direction.first == name;
     const bool along = axis.fixed && involved.fixed && involved.usable &&
-                       !(recorded::norm(recorded::cross(axis.at, involved.at)) >
-                         kAlong * recorded::norm(axis.at) * recorded::norm(involved.at));
+                       !(triple::norm(triple::cross(axis.at, involved.at)) >
+                         kAlong * triple::norm(axis.at) * triple::norm(involved.at));
     if (!itself && !along) continue;
     report(where,
            in_quotes(name) + (itself ? " is the axis and a direction" : " is parallel to " + text(direction)) +
@@ -208,9 +208,9 @@ Validation::Involved Validation::scalar(const std::string& text, const Where& wh
   return {};
 }
 
-bool Validation::finite(double number, const Where& where) {
-  if (std::isfinite(number)) return true;
-  report(where, "the value is " + shortest(number) + "; a finite number is wanted");
+bool Validation::finite(const Number& number, const Where& where) {
+  if (isfinite(number)) return true;
+  report(where, "the value is " + shortest(number.value()) + "; a finite number is wanted");
   return false;
 }
 
@@ -218,12 +218,10 @@ bool Validation::finite(double number, const Where& where) {
 
 void Validation::check_triple(const Triple& at, const Where& where, bool is_direction) {
   bool all_finite = true;
-  for (std::size_t k = 0; k < 3; ++k) all_finite = (std::isfinite(at[k]) || finite(at[k], where / k)) && all_finite;
+  for (std::size_t k = 0; k < 3; ++k) all_finite = (isfinite(at[k]) || finite(at[k], where / k)) && all_finite;
   if (!all_finite) return;
-  if (dimension() == 2 && Number(at[2]) != 0)
-    report(where / std::size_t{2}, "a plane scene has no z; write 0 or leave it out");
-  if (is_direction && recorded::norm(at) == 0)
-    report(where, "a unit vector cannot be made of zeros; give its direction");
+  if (dimension() == 2 && at[2] != 0) report(where / std::size_t{2}, "a plane scene has no z; write 0 or leave it out");
+  if (is_direction && triple::norm(at) == 0) report(where, "a unit vector cannot be made of zeros; give its direction");
 }
 
 void Validation::check_points() {

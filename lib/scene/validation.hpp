@@ -70,7 +70,7 @@ class Validation {
   // names_all: lists all names if none is near.
   void unknown_name(const std::string& name, std::initializer_list<NameKind> kinds, const Where& where,
                     bool names_all = false);
-  bool finite(double number, const Where& where);
+  bool finite(const Number& number, const Where& where);
 
   // rows of kinds.hpp: names, numbers and laws, and the objects that they refer to (validation_rows.hpp). False if an
   // entry of a list equals the entry before it; the rule of the kind is then skipped.
@@ -89,10 +89,10 @@ class Validation {
   }
   void check_value(const std::string& name, const rows::About& about, const Where& where);
   void check_value(const Direction& way, const rows::About& about, const Where& where);
-  void check_value(double number, const rows::About& about, const Where& where);
-  void check_value(const std::optional<double>& number, const rows::About& about, const Where& where);
+  void check_value(const Number& number, const rows::About& about, const Where& where);
+  void check_value(const std::optional<Number>& number, const rows::About& about, const Where& where);
   void check_value(const Triple& numbers, const rows::About& about, const Where& where);
-  void check_value(const std::vector<std::pair<std::string, double>>& terms, const rows::About& about,
+  void check_value(const std::vector<std::pair<std::string, Number>>& terms, const rows::About& about,
                    const Where& where);
   void check_value(const Law& law, const rows::About& about, const Where& where);
   void check_value(const std::vector<Law>& laws, const rows::About& about, const Where& where);

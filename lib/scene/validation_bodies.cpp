@@ -3,7 +3,7 @@
 #include <limits>
 
 #include "numbers.hpp"
-#include "scene/recorded.hpp"
+#include "scene/triple.hpp"
 #include "scene/validation.hpp"
 
 namespace assur {
@@ -21,15 +21,13 @@ struct Frame {
   Triple origin{}, x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
 
   [[nodiscard]] Triple turn(const Triple& local) const {
-    return recorded::add(recorded::scale(local[0], x),
-                         recorded::add(recorded::scale(local[1], y), recorded::scale(local[2], z)));
+    return triple::add(triple::scale(local[0], x), triple::add(triple::scale(local[1], y), triple::scale(local[2], z)));
   }
   // Axes as written may not be at right angles.
   [[nodiscard]] Triple turn_back(const Triple& a) const {
-    const Number volume = recorded::dot(recorded::cross(x, y), z);
-    return values(recorded::scale(
-        1 / volume, Numbers{recorded::dot(a, recorded::cross(y, z)), recorded::dot(a, recorded::cross(z, x)),
-                            recorded::dot(a, recorded::cross(x, y))}));
+    const Number volume = triple::dot(triple::cross(x, y), z);
+    return triple::scale(1 / volume, {triple::dot(a, triple::cross(y, z)), triple::dot(a, triple::cross(z, x)),
+                                      triple::dot(a, triple::cross(x, y))});
   }
 };
 
@@ -37,7 +35,7 @@ bool appears_before(const std::vector<std::string>& names, std::size_t i) {
   const auto end = names.begin() + static_cast<std::ptrdiff_t>(i);
   return std::find(names.begin(), end, names[i]) != end;
 }
-Triple turned_left(const Triple& a) { return values({-Number(a[1]), a[0], 0}); }
+Triple turned_left(const Triple& a) { return {-a[1], a[0], 0}; }
 
 }  // namespace
 
@@ -105,7 +103,7 @@ void Validation::order_bodies() {
 
 Triple Validation::base_direction(const Body& body, std::size_t i) const {
   const Symbol* entry = symbols_.find(body.base[i]);
-  return entry->kind == NameKind::vector ? entry->at : recorded::subtract(entry->at, symbols_.find(body.base[0])->at);
+  return entry->kind == NameKind::vector ? entry->at : triple::subtract(entry->at, symbols_.find(body.base[0])->at);
 }
 
 void Validation::check_base(const Body& body, const Where& where) {
@@ -136,14 +134,14 @@ void Validation::check_base(const Body& body, const Where& where) {
     if (body.base.size() < 2 || body.base.size() > most) return;
     if (!std::all_of(entries.begin(), entries.end(), [](const Involved& p) { return p.usable; })) return;
     const Triple along = base_direction(body, 1);
-    const Number length = recorded::norm(along);
+    const Number length = triple::norm(along);
     if (length == 0) {
       report(where / "base", in_quotes(body.base[0]) + " and " + in_quotes(body.base[1]) +
                                  " are at the same place; a base needs different points");
     } else if (body.base.size() == 3) {
       const Triple third = base_direction(body, 2);
-      const Number area = recorded::norm(recorded::cross(along, third));
-      if (!(area > kParallel * length * recorded::norm(third)) && isfinite(area)) {
+      const Number area = triple::norm(triple::cross(along, third));
+      if (!(area > kParallel * length * triple::norm(third)) && isfinite(area)) {
         report(where / "base", in_quotes(body.base[0]) + ", " + in_quotes(body.base[1]) + " and " +
                                    in_quotes(body.base[2]) + " lie on one line; a base needs entries that do not");
       }
@@ -178,18 +176,18 @@ void Validation::check_frame(const Body& body, const Where& where) {
 
 // No equation checks that fixed vectors are at right angles and right-handed.
 void Validation::check_fixed_axes(const Body& body, const std::vector<Involved>& axes, const Where& where) {
-  const auto known = [&](std::size_t i) { return axes[i].usable && axes[i].fixed && recorded::norm(axes[i].at) > 0; };
+  const auto known = [&](std::size_t i) { return axes[i].usable && axes[i].fixed && triple::norm(axes[i].at) > 0; };
   for (std::size_t i = 0; i < 3; ++i) {
     const std::size_t j = (i + 1) % 3;
     if (!known(i) || !known(j)) continue;
-    const Number cosine = recorded::dot(recorded::unit(axes[i].at), recorded::unit(axes[j].at));
+    const Number cosine = triple::dot(triple::unit(axes[i].at), triple::unit(axes[j].at));
     if (abs(cosine) <= kSquare) continue;
     report(where, in_quotes(body.frame[i]) + " and " + in_quotes(body.frame[j]) + " have the dot product " +
                       shortest(cosine.value()) + "; the vectors of a frame must be at right angles to each other");
     return;
   }
   if (!known(0) || !known(1) || !known(2)) return;
-  if (recorded::dot(recorded::cross(axes[0].at, axes[1].at), axes[2].at) > 0) return;
+  if (triple::dot(triple::cross(axes[0].at, axes[1].at), axes[2].at) > 0) return;
   report(where, "the frame is left-handed, so its body would be mirrored; write w = u x v");
 }
 
@@ -217,19 +215,19 @@ void Validation::place_members(const Body& body, const Where& where) {
         const Symbol* entry = symbols_.find(body.base[i]);
         (void)at(body.base[i], entry == nullptr ? NameKind::point : entry->kind);
       }
-      if (usable) frame.x = recorded::unit(base_direction(body, 1));
+      if (usable) frame.x = triple::unit(base_direction(body, 1));
       frame.y = turned_left(frame.x);
       if (usable && dimension() == 3 && body.base.size() == 3) {
-        frame.z = recorded::unit(recorded::cross(frame.x, base_direction(body, 2)));
-        frame.y = recorded::cross(frame.z, frame.x);
+        frame.z = triple::unit(triple::cross(frame.x, base_direction(body, 2)));
+        frame.y = triple::cross(frame.z, frame.x);
       }
     } else {
       frame.origin = at(body.origin, NameKind::point);
-      if (!body.frame.empty()) frame.x = recorded::unit(at(body.frame[0], NameKind::vector));
+      if (!body.frame.empty()) frame.x = triple::unit(at(body.frame[0], NameKind::vector));
       if (!body.frame.empty()) frame.y = turned_left(frame.x);
       if (body.frame.size() == 3) {
-        frame.y = recorded::unit(at(body.frame[1], NameKind::vector));
-        frame.z = recorded::unit(at(body.frame[2], NameKind::vector));
+        frame.y = triple::unit(at(body.frame[1], NameKind::vector));
+        frame.z = triple::unit(at(body.frame[2], NameKind::vector));
       }
     }
   }
@@ -241,41 +239,40 @@ void Validation::place_members(const Body& body, const Where& where) {
     Symbol* symbol = symbols_.find(member.name);
     if (symbol == nullptr || !symbol->is_derived()) return;
     Triple local = member.local;
-    if (member.in_ground && is_point) local = recorded::subtract(local, frame.origin);
+    if (member.in_ground && is_point) local = triple::subtract(local, frame.origin);
     if (is_line) {
-      const Number along = member.in_ground ? recorded::dot(local, frame.x) : Number(local[0]);
+      const Number along = member.in_ground ? triple::dot(local, frame.x) : local[0];
       const Triple off =
-          member.in_ground ? recorded::subtract(local, recorded::scale(along, frame.x)) : Triple{0, local[1], local[2]};
+          member.in_ground ? triple::subtract(local, triple::scale(along, frame.x)) : Triple{0, local[1], local[2]};
       // Near the first point of the base, only rounding of the coordinates is left.
-      const Number rounding =
-          is_point ? std::max(recorded::norm(member.local), recorded::norm(frame.origin)) : Number(1);
-      if (usable && recorded::norm(off) > kOffLine * recorded::norm(local) + kRounding * rounding) {
+      const Number rounding = is_point ? std::max(triple::norm(member.local), triple::norm(frame.origin)) : Number(1);
+      if (usable && triple::norm(off) > kOffLine * triple::norm(local) + kRounding * rounding) {
         report(where / (is_point ? "points" : "vectors") / member.name,
                "the member is off the line through " + in_quotes(body.base[0]) +
                    (symbols_.find(body.base[1])->kind == NameKind::point ? " and " : " along ") +
                    in_quotes(body.base[1]) + ", about which nothing holds the body; place it on the line, or add " +
                    "a third entry to the base");
       }
-      local = {along.value(), 0, 0};
+      local = {along, 0, 0};
     } else if (member.in_ground) {
       local = frame.turn_back(local);
       // Local coordinates that should be 0 are only nearly 0 after this rotation; they are set to 0, so that the member
       // does not depend on further axes of its body.
-      const Number size = is_point ? std::max(recorded::norm(member.local), recorded::norm(frame.origin)) : Number(1);
-      for (double& c : local) {
-        if (abs(Number(c)) <= kRounding * size) c = 0;
+      const Number size = is_point ? std::max(triple::norm(member.local), triple::norm(frame.origin)) : Number(1);
+      for (Number& c : local) {
+        if (abs(c) <= kRounding * size) c = 0;
       }
     }
     if (member.in_ground) local_[member.name] = local;
-    if (member.in_ground && usable && !recorded::is_finite(local) && recorded::is_finite(member.local)) {
+    if (member.in_ground && usable && !triple::is_finite(local) && triple::is_finite(member.local)) {
       report(where / (is_point ? "points" : "vectors") / member.name,
              "the axes of its body lie in a plane as written, so that ground coordinates do not define the member; "
              "write w = u x v");
     }
     const Triple turned = frame.turn(local);
-    symbol->at = is_point ? recorded::add(frame.origin, turned) : recorded::unit(turned);
+    symbol->at = is_point ? triple::add(frame.origin, turned) : triple::unit(turned);
     symbol->fixed = fixed || (!is_point && !turns);
-    symbol->broken = symbol->broken || !usable || !recorded::is_finite(symbol->at);
+    symbol->broken = symbol->broken || !usable || !triple::is_finite(symbol->at);
   };
   for (const Member& point : body.points) place(point, true);
   for (const Member& vector : body.vectors) place(vector, false);

@@ -1,7 +1,7 @@
 #include <cmath>
 #include <unordered_set>
 
-#include "scene/recorded.hpp"
+#include "scene/triple.hpp"
 #include "scene/validation_rows.hpp"
 
 namespace assur {
@@ -37,12 +37,12 @@ void Validation::check(const Kind& kind, const Where& where) {
 void Validation::rule(const Distance& c, const Where& where) {
   const Involved &p = involved_[0], &q = involved_[1];
   if (c.value) {
-    if (!std::isfinite(*c.value)) return;
-    if (Number(*c.value) == 0)
+    if (!isfinite(*c.value)) return;
+    if (*c.value == 0)
       report(where / "value", "a distance must be > 0; for two points at one place use a single point");
-    if (Number(*c.value) < 0) report(where / "value", "a distance must be > 0, not " + shortest(*c.value) + " m");
+    if (*c.value < 0) report(where / "value", "a distance must be > 0, not " + shortest(c.value->value()) + " m");
   } else if (p.usable && q.usable && !known_.at_or_below((where / "value").text()) &&
-             recorded::norm(recorded::subtract(p.at, q.at)) == 0) {
+             triple::norm(triple::subtract(p.at, q.at)) == 0) {
     report(where / "distance", p.text() + " and " + q.text() +
                                    " are at the same place, so the omitted value is 0; give a value, or use a "
                                    "single point");
@@ -63,9 +63,9 @@ void Validation::rule(const Dot& c, const Where& where) {
                                              : " with itself is its length, 1 for a unit vector; remove it"));
     return;
   }
-  if (!c.value || c.d.is_pair() || c.e.is_pair() || !std::isfinite(*c.value) || abs(Number(*c.value)) <= 1) return;
+  if (!c.value || c.d.is_pair() || c.e.is_pair() || !isfinite(*c.value) || abs(*c.value) <= 1) return;
   report(where / "value",
-         "the dot product of two unit vectors is a cosine, within -1 and 1, not " + shortest(*c.value));
+         "the dot product of two unit vectors is a cosine, within -1 and 1, not " + shortest(c.value->value()));
 }
 
 void Validation::rule(const Linear& c, const Where& where) {
@@ -77,11 +77,11 @@ void Validation::rule(const Linear& c, const Where& where) {
     if (!seen.insert(name).second && involved_[i].usable) {
       report(list / i / std::size_t{0}, in_quotes(name) + " is in this sum already; add the factors");
     }
-    if (Number(factor) == 0) {
+    if (factor == 0) {
       report(list / i / std::size_t{1}, "the factor 0 leaves " + in_quotes(name) + " out; remove the term");
     }
   }
-  if (dimension() == 2 && std::isfinite(c.value[2]) && Number(c.value[2]) != 0) {
+  if (dimension() == 2 && isfinite(c.value[2]) && c.value[2] != 0) {
     report(where / "value" / std::size_t{2}, "a plane scene has no z; write 0 or leave it out");
   }
 }

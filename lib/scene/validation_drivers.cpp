@@ -2,7 +2,8 @@
 #include <cmath>
 #include <utility>
 
-#include "scene/recorded.hpp"
+#include "scene/law_sum.hpp"
+#include "scene/triple.hpp"
 #include "scene/validation_rows.hpp"
 
 namespace assur {
@@ -14,11 +15,11 @@ std::string key(const Direction& d) { return d.is_pair() ? pair_key(d.first, d.s
 // Checks the numbers of a law. Functions are not called, because they may belong to a running program.
 struct IsFinite {
   bool operator()(const Law::Polynomial& p) const {
-    return std::all_of(p.coefficients.begin(), p.coefficients.end(), [](double c) { return std::isfinite(c); });
+    return std::all_of(p.coefficients.begin(), p.coefficients.end(), [](const Number& c) { return isfinite(c); });
   }
   bool operator()(const Law::Harmonics& h) const {
-    return std::isfinite(h.offset) && std::all_of(h.terms.begin(), h.terms.end(), [](const Harmonic& term) {
-             return std::isfinite(term.amplitude) && std::isfinite(term.frequency) && std::isfinite(term.phase);
+    return isfinite(h.offset) && std::all_of(h.terms.begin(), h.terms.end(), [](const Harmonic& term) {
+             return isfinite(term.amplitude) && isfinite(term.frequency) && isfinite(term.phase);
            });
   }
   bool operator()(const Law::Spline&) const { return true; }  // Law::table has checked it
@@ -115,13 +116,13 @@ void Validation::rule(const PointAngle& d, const Driver& driver, const Where& wh
 
 // Checks the axis, and that the arm is not parallel to it.
 void Validation::check_arm(const PointAngle& d, const Involved& a, const Involved& b, const Where& where) {
-  const Triple arm = recorded::subtract(b.at, a.at);
-  const bool placed = a.usable && b.usable && recorded::is_finite(arm);
+  const Triple arm = triple::subtract(b.at, a.at);
+  const bool placed = a.usable && b.usable && triple::is_finite(arm);
   if (dimension() == 2) {
     if (!d.axis.empty()) report(where / "axis", "in the plane every axis is the normal; leave \"axis\" out");
     const auto gives_radius = [](const auto& kept) { return kept.second->template as<Distance>()->value.has_value(); };
     const auto [kept, end] = kept_distances(d.a, d.b);
-    if (placed && recorded::norm(arm) == 0 && std::none_of(kept, end, gives_radius) &&
+    if (placed && triple::norm(arm) == 0 && std::none_of(kept, end, gives_radius) &&
         driven_distance(d.a, d.b) == nullptr) {
       report(where / "angle", in_quotes(d.a) + " and " + in_quotes(d.b) +
                                   " are at the same place, so the radius is 0; give a distance or different positions");
@@ -139,18 +140,18 @@ void Validation::check_arm(const PointAngle& d, const Involved& a, const Involve
                                " moves; about a moving axis use the relative form, the angle from one direction to " +
                                "another: \"angle\": [[\"A\", \"B\"], [\"C\", \"D\"]]");
   } else if (placed &&
-             !(recorded::norm(recorded::cross(axis.at, arm)) > 1e-9 * recorded::norm(arm) * recorded::norm(axis.at))) {
+             !(triple::norm(triple::cross(axis.at, arm)) > 1e-9 * triple::norm(arm) * triple::norm(axis.at))) {
     report(where / "angle", "the direction from " + in_quotes(d.a) + " to " + in_quotes(d.b) +
                                 " is parallel to the axis, so it has no angle about it; choose another axis or other "
                                 "positions");
   } else if (placed) {
     // The distance is the arm's length; its component along the axis is that of the posture as written.
-    const Number along = abs(recorded::dot(axis.at, arm)) / recorded::norm(axis.at);
+    const Number along = abs(triple::dot(axis.at, arm)) / triple::norm(axis.at);
     for (auto [kept, end] = kept_distances(d.a, d.b); kept != end; ++kept) {
       const Constraint& c = *kept->second;
       const auto* distance = c.as<Distance>();
       if (!distance->value || *distance->value > along) continue;
-      report(where / "angle", "the distance " + in_quotes(c.name) + " of " + shortest(*distance->value) + " m" +
+      report(where / "angle", "the distance " + in_quotes(c.name) + " of " + shortest(distance->value->value()) + " m" +
                                   " is too short: along the axis " + in_quotes(d.b) + " is " + shortest(along.value()) +
                                   " m from " + in_quotes(d.a) + "; move it or choose a longer distance");
     }
@@ -176,9 +177,10 @@ void Validation::rule(const DrivenDistance& d, const Driver& driver, const Where
            "constraint " + in_quotes(kept->second->name) + " keeps this distance constant; remove one of them");
   }
   if (calls_program(d.law) || driver.relative) return;
-  const double start = d.law(scene_.time().start).value;
-  if (Number(start) <= 0) {  // NaN, outside a table, is reported above
-    report(where / "law", "the distance at the start is " + shortest(start) + " m; a driven distance must stay > 0");
+  const Number start = value_of(d.law, scene_.time().start);
+  if (start <= 0) {  // NaN, outside a table, is reported above
+    report(where / "law",
+           "the distance at the start is " + shortest(start.value()) + " m; a driven distance must stay > 0");
   }
 }
 

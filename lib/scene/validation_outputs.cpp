@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "assur/number.hpp"
 #include "scene/joints/joints.hpp"
-#include "scene/number.hpp"
 #include "scene/outputs.hpp"
 #include "scene/validation_rows.hpp"
 
@@ -54,8 +54,7 @@ void Validation::rule(const Combination& m, const Where& where) {
   if (m.terms.empty()) report(sum, "a sum needs at least one measure");
   for (std::size_t i = 0; i < m.terms.size(); ++i) {
     const auto& [name, factor] = m.terms[i];
-    if (Number(factor) == 0)
-      report(sum / i / std::size_t{1}, "the factor is 0; a finite number other than 0 is wanted");
+    if (factor == 0) report(sum / i / std::size_t{1}, "the factor is 0; a finite number other than 0 is wanted");
     if (!involved_[i].usable) continue;
     const auto& term = scene_.measures()[symbols_.find(name)->index].kind;
     if (std::holds_alternative<Orientation>(term)) {
@@ -82,13 +81,13 @@ void Validation::check_limits() {
 }
 
 void Validation::check_limit(const Limit& limit, const Where& where) {
-  if (std::isnan(limit.min) || std::isnan(limit.max)) {
-    report(where / (std::isnan(limit.min) ? "min" : "max"), "the value is nan; a number is wanted");
-  } else if (std::isinf(limit.min) && std::isinf(limit.max)) {
+  if (std::isnan(limit.min.value()) || std::isnan(limit.max.value())) {
+    report(where / (std::isnan(limit.min.value()) ? "min" : "max"), "the value is nan; a number is wanted");
+  } else if (std::isinf(limit.min.value()) && std::isinf(limit.max.value())) {
     report(where, "a limit needs \"min\", \"max\" or both");
-  } else if (!(Number(limit.min) < Number(limit.max))) {
-    report(where,
-           "the smallest value, " + shortest(limit.min) + ", is not below the largest one, " + shortest(limit.max));
+  } else if (!(limit.min < limit.max)) {
+    report(where, "the smallest value, " + shortest(limit.min.value()) + ", is not below the largest one, " +
+                      shortest(limit.max.value()));
   }
   const Symbol* const symbol = symbols_.find(limit.quantity);
   if (symbol == nullptr) {
@@ -237,7 +236,7 @@ int Validation::auxiliary(const Symbol& symbol, const std::string& name) const {
   }
   if (symbol.kind == NameKind::body && name == "normal" && dimension() == 3) {
     const Body& body = scene_.bodies()[symbol.index];
-    const auto off_plane = [](const Member& m) { return Number(m.local[2]) != 0; };
+    const auto off_plane = [](const Member& m) { return m.local[2] != 0; };
     const bool has_normal = std::any_of(body.points.begin(), body.points.end(), off_plane) ||
                             std::any_of(body.vectors.begin(), body.vectors.end(), off_plane);
     return body.base.size() == 3 && has_normal ? 3 : 0;

@@ -50,9 +50,11 @@ void Validation::check_value(const Direction& way, const rows::About&, const Whe
   involved_.push_back(found);
 }
 
-void Validation::check_value(double number, const rows::About&, const Where& where) { (void)finite(number, where); }
+void Validation::check_value(const Number& number, const rows::About&, const Where& where) {
+  (void)finite(number, where);
+}
 
-void Validation::check_value(const std::optional<double>& number, const rows::About&, const Where& where) {
+void Validation::check_value(const std::optional<Number>& number, const rows::About&, const Where& where) {
   if (number) (void)finite(*number, where);
 }
 
@@ -60,7 +62,7 @@ void Validation::check_value(const Triple& numbers, const rows::About&, const Wh
   for (std::size_t k = 0; k < 3; ++k) (void)finite(numbers[k], where / k);
 }
 
-void Validation::check_value(const std::vector<std::pair<std::string, double>>& terms, const rows::About& about,
+void Validation::check_value(const std::vector<std::pair<std::string, Number>>& terms, const rows::About& about,
                              const Where& where) {
   for (std::size_t i = 0; i < terms.size(); ++i) {
     check_value(terms[i].first, about, where / i / std::size_t{0});

@@ -1,40 +1,48 @@
 #include "side_by_side/recipe.hpp"
 
 #include <algorithm>
-#include <cmath>
+#include <type_traits>
 #include <utility>
 #include <variant>
 
 #include "index.hpp"
-#include "numbers.hpp"
 #include "scene/outputs.hpp"
-#include "signals/drive_program.hpp"
 
 namespace assur {
 namespace {
 
-// Calls use(number, unit) for each number of a system, but those of laws; numbers are about as large as the unit.
-// Guesses of driven coordinates follow from laws.
+// Calls use(number) for each number of a system, but those of laws: with its origin, or with a place that receives its
+// value. Guesses of driven coordinates follow from laws.
 template <class OfSystem, class Use>
 void each_number(OfSystem& s, const Use& use) {
-  for (auto& constant : s.constants) use(constant, 1.0);
-  for (std::size_t c = 0; c < s.guess.size(); ++c) {
-    if (s.coordinates[c].role == Role::unknown) use(s.guess[c], 1.0);
-  }
-  for (auto& in : s.inputs) {
-    use(in.zero, s.unit(in.dimension));
-    for (std::size_t k = 0; k < in.written.size(); ++k) {
-      use(in.written[k], is_angle(s, in, static_cast<int>(k)) ? 1.0 : s.unit(in.dimension));
+  constexpr bool kOrigins = std::is_const_v<OfSystem>;
+  for (std::size_t c = 0; c < s.constants.size(); ++c) {
+    if constexpr (kOrigins) {
+      use(s.constant(static_cast<Index>(c)));
+    } else {
+      use(s.constants[c]);
     }
   }
-  for (auto& bound : s.bounds) use(bound.value, s.unit(s.measures[idx(bound.measure)].dimension));
+  for (std::size_t c = 0; c < s.guess.size(); ++c) {
+    if (s.coordinates[c].role != Role::unknown) continue;
+    if constexpr (kOrigins) {
+      use(s.guess_of(static_cast<Index>(c)));
+    } else {
+      use(s.guess[c]);
+    }
+  }
+  for (auto& in : s.inputs) {
+    use(in.zero);
+    for (auto& value : in.written) use(value);
+  }
+  for (auto& bound : s.bounds) use(bound.value);
   for (auto& measure : s.measures) {
-    use(measure.constant, s.unit(measure.dimension));
-    for (auto& term : measure.terms) use(term.factor, 1.0);
+    use(measure.constant);
+    for (auto& term : measure.terms) use(term.factor);
   }
 }
 
-// Calls use(number) for each number of the parts of a law.
+// Calls use(number) for each number of the parts of a law; tables have none that follow from parameters.
 template <class Parts, class Use>
 void each_number_of_law(Parts& parts, const Use& use) {
   for (auto& part : parts) {
@@ -43,71 +51,39 @@ void each_number_of_law(Parts& parts, const Use& use) {
     } else if (auto* harmonics = std::get_if<Law::Harmonics>(&part)) {
       use(harmonics->offset);
       for (auto& term : harmonics->terms) use(term.amplitude), use(term.frequency), use(term.phase);
-    } else if (auto* spline = std::get_if<Law::Spline>(&part)) {
-      for (auto* list : {&spline->time, &spline->value, &spline->second}) {
-        for (auto& x : *list) use(x);
-      }
     }
   }
-}
-
-// A number with the size of numbers of its kind.
-struct Sized {
-  double number, unit;
-};
-
-std::vector<Sized> all_numbers(const System& s) {
-  std::vector<Sized> all;
-  each_number(s, [&](double x, double unit) { all.push_back({x, unit}); });
-  for (const DriverInput& in : s.inputs) {
-    for (std::size_t k = 0; k < in.laws.size(); ++k) {
-      const double unit = is_angle(s, in, static_cast<int>(k)) ? 1 : s.unit(in.dimension);
-      each_number_of_law(in.laws[k].parts(), [&](double x) { all.push_back({x, unit}); });
-    }
-  }
-  return all;
-}
-
-// Numbers that are only rounding are not on a tape.
-bool same_but_for_rounding(const Sized& a, const Sized& b) {
-  if (std::isnan(a.number) || std::isnan(b.number)) return std::isnan(a.number) && std::isnan(b.number);
-  return std::abs(a.number - b.number) <= 32 * kEps * std::max({a.unit, std::abs(a.number), std::abs(b.number)});
 }
 
 }  // namespace
 
-Recipe::Recipe(const Tape& tape, const System& system, std::string& why_not) {
+Recipe::Recipe(const Tape& tape, const System& system) {
   std::vector<std::uint8_t> depends(system.constants.size(), 0);
   std::size_t number = 0;
-  each_number(system, [&](double x, double) {
-    if (const Tape::Node node = tape.find(x); node != Tape::kNone) {
+  each_number(system, [&](const Number& x) {
+    if (tape.has(x)) {
       numbers_.push_back(number);
-      nodes_.push_back(node);
+      wanted_.push_back(x);
       if (number < depends.size()) depends[number] = 1;
     }
     ++number;
   });
   for (std::size_t i = 0; i < system.inputs.size(); ++i) {
     const DriverInput& in = system.inputs[i];
-    has_written_ = has_written_ || std::any_of(in.written.begin(), in.written.end(),
-                                               [&](double x) { return tape.find(x) != Tape::kNone; });
+    has_written_ =
+        has_written_ || std::any_of(in.written.begin(), in.written.end(), [&](const Number& x) { return tape.has(x); });
     for (std::size_t k = 0; k < in.laws.size(); ++k) {
       OfLaw law{i, k, {}};
       const std::vector<Law::Part>& parts = in.laws[k].parts();
       std::size_t at = 0;
-      each_number_of_law(parts, [&](double x) {
-        if (const Tape::Node node = tape.find(x); node != Tape::kNone) {
+      each_number_of_law(parts, [&](const Number& x) {
+        if (tape.has(x)) {
           law.numbers.push_back(at);
-          nodes_.push_back(node);
+          wanted_.push_back(x);
         }
         ++at;
       });
-      if (law.numbers.empty()) continue;
-      laws_.push_back(std::move(law));
-      for (const Law::Part& part : parts) {
-        if (!std::holds_alternative<Law::Spline>(part)) continue;
-        why_not = "the law of driver " + system.drivers[idx(in.driver)] + " has a table and depends on the values";
-      }
+      if (!law.numbers.empty()) laws_.push_back(std::move(law));
     }
   }
 
@@ -126,31 +102,27 @@ Recipe::Recipe(const Tape& tape, const System& system, std::string& why_not) {
 }
 
 Recipe::Target::Target(const Recipe& recipe, System& system) {
-  std::vector<double*> all;
-  each_number(system, [&](double& x, double) { all.push_back(&x); });
+  std::vector<std::variant<double*, Number*>> all;
+  each_number(system, [&](auto& x) { all.emplace_back(&x); });
   for (const std::size_t i : recipe.numbers_) numbers_.push_back(all[i]);
   for (const Recipe::OfLaw& of : recipe.laws_) {
     Law& law = system.inputs[of.input].laws[of.law];
     laws_.push_back({&law, law.parts(), {}});
-    all.clear();
-    each_number_of_law(laws_.back().parts, [&](double& x) { all.push_back(&x); });
-    for (const std::size_t i : of.numbers) laws_.back().numbers.push_back(all[i]);
+    std::vector<Number*> of_law;
+    each_number_of_law(laws_.back().parts, [&](Number& x) { of_law.push_back(&x); });
+    for (const std::size_t i : of.numbers) laws_.back().numbers.push_back(of_law[i]);
   }
 }
 
 void Recipe::Target::set(const Replay& replay, std::size_t lane, std::size_t first) {
   std::size_t i = first;
-  for (double* const number : numbers_) *number = replay.wanted(i++)[lane];
+  for (const auto& number : numbers_) {
+    std::visit([value = replay.wanted(i++)[lane]](auto* to) { *to = value; }, number);
+  }
   for (OfLaw& of : laws_) {
-    for (double* const number : of.numbers) *number = replay.wanted(i++)[lane];
+    for (Number* const number : of.numbers) *number = replay.wanted(i++)[lane];
     *of.law = Law(of.parts);
   }
-}
-
-bool Recipe::same_numbers(const System& a, const System& b) {
-  const std::vector<Sized> of_a = all_numbers(a), of_b = all_numbers(b);
-  return a.length_exponent == b.length_exponent &&
-         std::equal(of_a.begin(), of_a.end(), of_b.begin(), of_b.end(), same_but_for_rounding);
 }
 
 }  // namespace assur

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <string>
+#include <variant>
 #include <vector>
 
 #include "assur/law.hpp"
@@ -16,11 +16,10 @@ namespace assur {
 
 class Recipe {
  public:
-  // The numbers of `system` that are on the tape. why_not: receives the reason if they cannot be computed again.
-  Recipe(const Tape& tape, const System& system, std::string& why_not);
+  // The numbers of `system` that are on the tape.
+  Recipe(const Tape& tape, const System& system);
 
-  // Computes the numbers; wanted(i) of a replay has the i-th one.
-  [[nodiscard]] const std::vector<Tape::Node>& wanted() const { return nodes_; }
+  [[nodiscard]] const std::vector<Number>& wanted() const { return wanted_; }
 
   // True if numbers of outputs, of laws, of drivers (laws, or values in the posture as written), or of assignments are
   // among them.
@@ -40,14 +39,11 @@ class Recipe {
     struct OfLaw {
       Law* law;
       std::vector<Law::Part> parts;
-      std::vector<double*> numbers;
+      std::vector<Number*> numbers;
     };
-    std::vector<double*> numbers_;
+    std::vector<std::variant<double*, Number*>> numbers_;
     std::vector<OfLaw> laws_;
   };
-
-  // True if both systems of one structure have the same numbers, but for rounding.
-  [[nodiscard]] static bool same_numbers(const System& a, const System& b);
 
  private:
   struct OfLaw {
@@ -56,7 +52,7 @@ class Recipe {
   };
   std::vector<std::size_t> numbers_;  // in the order of each_number() of the system
   std::vector<OfLaw> laws_;
-  std::vector<Tape::Node> nodes_;  // of numbers_, then of the numbers of laws_
+  std::vector<Number> wanted_;  // those of numbers_, then those of laws_
   bool has_outputs_ = false, has_written_ = false, has_assignments_ = false;
 };
 

@@ -1,5 +1,4 @@
-// Computes the numbers of a tape for other values of its parameters, for several members side by side: by step
-// programs, between which muParser evaluates formulas.
+// Computes numbers of a mechanism from the values of parameters, for several members side by side.
 #pragma once
 
 #include <cstddef>
@@ -11,14 +10,14 @@
 #include "equations/lane_array.hpp"
 #include "execute/step_code.hpp"
 #include "scene/expression.hpp"
-#include "scene/tape.hpp"
+#include "side_by_side/parameter_tape.hpp"
 
 namespace assur {
 
 class Replay {
  public:
-  // lanes: number of members at once, at most; wanted: nodes whose values are asked for; code: null if there is none
-  Replay(const Tape& tape, std::span<const Tape::Node> wanted, std::size_t lanes, StepCode* code = nullptr);
+  // lanes: number of members at once, at most; code: null if there is none
+  Replay(const ParameterProgram& program, std::size_t lanes, StepCode* code = nullptr);
 
   // Computes the wanted numbers of the members; parameters[l]: those of lane l.
   void run(std::span<const double* const> parameters);
@@ -28,21 +27,20 @@ class Replay {
   [[nodiscard]] bool holds(std::size_t lane) const { return off_[lane] == 0; }
 
  private:
-  struct TextOf {
+  struct Text {
     Formula formula;
     std::vector<std::uint32_t> arguments;  // rows
     std::uint32_t row;                     // of its value
   };
-  // What can be computed without formulas that were not evaluated yet; then these formulas.
   struct Part {
     std::shared_ptr<const Executor> program;
-    std::vector<TextOf> formulas;
+    std::vector<Text> texts;
   };
 
   std::size_t w_;
   std::vector<Part> parts_;
-  LaneArray parameters_, rows_, wanted_, off_;  // x W; rows_: numbers that formulas and later parts read
-  std::vector<double> arguments_;               // of one formula and lane
+  LaneArray parameters_, rows_, wanted_, off_;  // x W
+  std::vector<double> arguments_;               // of one text and lane
 };
 
 }  // namespace assur

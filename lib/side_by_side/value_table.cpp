@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <random>
 #include <unordered_set>
 #include <utility>
 
@@ -27,10 +26,8 @@
 namespace assur {
 namespace {
 
-constexpr std::size_t kMostTried = 16;     // members that are prepared before the scene as written is
-constexpr std::size_t kMostRecorded = 8;   // members at which the computation may be recorded
-constexpr std::size_t kMostVerified = 16;  // members at which a recorded computation may be checked
-constexpr std::size_t kEnoughVerified = 3;
+constexpr std::size_t kMostTried = 16;    // members that are prepared before the scene as written is
+constexpr std::size_t kMostRecorded = 8;  // members at which the computation may be recorded
 // Tiles of members for which machine code that assembles them is made: of a Stewart platform it takes 8 ms and saves
 // 0.13 ms for each tile.
 constexpr std::size_t kWorthCode = 64;
@@ -42,10 +39,10 @@ constexpr double kAsDrawn = 1e-9;     // relative residual of a posture as writt
 
 bool same_bits(double a, double b) { return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b); }
 
-// True if two mechanisms of one structure also have the same times and outputs.
-bool alike(const Prepared& a, const Prepared& b) {
-  return same_structure(*a.structure, *b.structure) && a.structure->system->outputs == b.structure->system->outputs &&
-         same_bits(a.time.start, b.time.start);
+// True if another mechanism has the same structure, outputs and start time.
+bool alike(const Prepared& a, const Structure& b, const TimeGrid& time) {
+  return same_structure(*a.structure, b) && a.structure->system->outputs == b.system->outputs &&
+         same_bits(a.time.start, time.start);
 }
 
 }  // namespace
@@ -54,7 +51,7 @@ bool alike(const Prepared& a, const Prepared& b) {
 class ValueTable::Binder : public MemberBinder {
  public:
   Binder(const ValueTable& table, std::size_t lanes)
-      : table_(table), replay_(*table.tape_, wanted_of(table), lanes, code_for(table, lanes)) {
+      : table_(table), replay_(*table.program_, lanes, code_for(table, lanes)) {
     const Structure& structure = *table.structure_;
     near_.reserve(structure.system->coordinates.size());
     for (const Group& g : structure.groups) near_.insert(near_.end(), g.unknowns.begin(), g.unknowns.end());
@@ -287,13 +284,6 @@ class ValueTable::Binder : public MemberBinder {
   static StepCode* code_for(const ValueTable& table, std::size_t lanes) {
     return table.count() >= kWorthCode * lanes ? table.first_->code.get() : nullptr;
   }
-  static std::vector<Tape::Node> wanted_of(const ValueTable& table) {
-    std::vector<Tape::Node> wanted = table.recipe_->wanted();
-    if (!table.assembly_) return wanted;
-    const std::vector<Tape::Node>& more = table.assembly_->recipe.wanted();
-    wanted.insert(wanted.end(), more.begin(), more.end());
-    return wanted;
-  }
 
   // True if the posture as written is closed and the laws begin there. Equations at rest must hold to rounding, because
   // they are not solved again.
@@ -369,16 +359,24 @@ void ValueTable::check_size(std::size_t values) const {
                                       std::to_string(values) + " values are no whole rows");
 }
 
-Scene ValueTable::scene_at(std::span<const double> row) const {
+Scene ValueTable::scene_at(std::size_t member, ParameterTape* tape) const {
   Parameters values;
-  for (std::size_t k = 0; k < names_.size(); ++k) values.emplace(names_[k], row[k]);
+  for (std::size_t k = 0; k < names_.size(); ++k) {
+    const bool varies = std::find(varying_.begin(), varying_.end(), k) != varying_.end();
+    const double value = row(member)[k];
+    values.emplace(names_[k], tape != nullptr && varies ? tape->parameter(value) : Number(value));
+  }
   return scene_.with_values(values);
 }
 
-Prepared ValueTable::prepare(const Scene& scene) const {
+KnownStart ValueTable::known_start() const {
   KnownStart start;
   start.at_rest = at_rest_;
-  return prepare_at(scene, options_, start, first_ ? &*first_ : nullptr);
+  return start;
+}
+
+Prepared ValueTable::prepare(const Scene& scene) const {
+  return prepare_at(scene, options_, known_start(), first_ ? &*first_ : nullptr);
 }
 
 // Tries members, then the scene as written, then the other members.
@@ -427,38 +425,18 @@ bool ValueTable::has_constants(std::size_t member) const {
   return true;
 }
 
-// A point between a member and the mean of all, with random last digits: `from` to `to` of the way.
-std::vector<double> ValueTable::between(std::size_t member, double from, double to) const {
-  std::mt19937_64 random(member);
-  std::uniform_real_distribution<double> part(from, to);
-  std::vector<double> point = recorded_;
-  for (const std::size_t k : varying_) {
-    const double here = row(member)[k];
-    point[k] = here + part(random) * (means_[k] - here);
-    if (point[k] == here) point[k] = here + part(random) * std::max(std::abs(here), 1.0) * from;
-  }
-  return point;
-}
-
 void ValueTable::record() {
   depends_on_values_ = false;
   why_not_ = first_ ? assur::why_not(Path::table, needs_of(*first_->structure)) : "";
   if (!why_not_.empty()) return;
   recorded_.assign(row(0).begin(), row(0).end());
-  means_.assign(names_.size(), 0);
   varying_.clear();
   for (std::size_t k = 0; k < names_.size(); ++k) {
-    bool varies = false;
-    double finite = 0;
-    for (std::size_t i = 0; i < count(); ++i) {
-      const double value = row(i)[k];
-      varies = varies || !same_bits(value, recorded_[k]);
-      if (!std::isfinite(value)) continue;
-      means_[k] += value;
-      ++finite;
+    for (std::size_t i = 1; i < count(); ++i) {
+      if (same_bits(row(i)[k], recorded_[k])) continue;
+      varying_.push_back(k);
+      break;
     }
-    means_[k] /= std::max(finite, 1.0);
-    if (varies) varying_.push_back(k);
   }
   const std::size_t stride = std::max<std::size_t>(count() / kMostRecorded, 1);
   std::vector<std::size_t> members = {first_member_ < count() ? first_member_ : 0};
@@ -475,33 +453,28 @@ void ValueTable::record() {
   why_not_ = "no member was found from whose equations those of the others follow";
 }
 
-// False if the mechanism near this member is not like the first one.
+// False if this mechanism is not like the first one.
 bool ValueTable::record_at(std::size_t member) {
-  constexpr double kFrom = 1e-4, kTo = 2e-4;
-  const std::vector<double> point = between(member, kFrom, kTo);
-  std::vector<double> parameters;
-  for (const std::size_t k : varying_) parameters.push_back(point[k]);
-  tape_ = std::make_unique<Tape>(parameters);
+  ParameterTape tape;
   try {
-    const Tape::Recording recording(tape_.get());
-    const Scene scene = scene_at(point);
-    const Prepared p = prepare(scene);
-    if (!alike(*first_, p)) return false;
-    if (tape_->find(p.time.start) != Tape::kNone) {
-      why_not_ = "the start time depends on the values";
-      return false;
-    }
-    structure_ = p.structure;
-    record_assembly(scene);
+    const Tape::Recording recording(&tape);
+    const Scene scene = scene_at(member, &tape);
+    structure_ = structure_like(scene, options_, known_start(), *first_);
+    if (!alike(*first_, *structure_, scene.time())) return false;
+    record_assembly(scene, tape);
   } catch (const Error& e) {
     if (e.kind() == Error::Kind::environment) throw;
     return false;
   }
-  recipe_.emplace(*tape_, *structure_->system, why_not_);
-  return why_not_.empty() && is_verified();
+  why_not_ = tape.lost();
+  recipe_.emplace(tape, *structure_->system);
+  std::vector<Number> wanted = recipe_->wanted();
+  if (assembly_) wanted.insert(wanted.end(), assembly_->recipe.wanted().begin(), assembly_->recipe.wanted().end());
+  program_ = tape.program(wanted);
+  return why_not_.empty();
 }
 
-void ValueTable::record_assembly(const Scene& scene) {
+void ValueTable::record_assembly(const Scene& scene, const Tape& tape) {
   assembly_.reset();
   const bool groups = structure_->formulation != Formulation::irreducible;
   System s = lower(std::make_shared<const Scene>(scene), options_.controlled, groups);
@@ -515,60 +488,14 @@ void ValueTable::record_assembly(const Scene& scene) {
     if (std::any_of(mentioned.begin(), mentioned.end(), is_unknown)) equations.push_back(e);
   }
   const Blocks blocks = decompose(s, equations, unknowns);
-  std::string why_not;
-  Recipe recipe(*tape_, s, why_not);
-  if (!blocks.square() || !why_not.empty() || s.coordinates.size() != structure_->system->coordinates.size()) return;
+  Recipe recipe(tape, s);
+  if (!blocks.square() || s.coordinates.size() != structure_->system->coordinates.size()) return;
   std::vector<WalkedPart> parts;
   for (Index b = 0; b < blocks.size(); ++b) {
     const auto own = blocks.equations_of(b), solved = blocks.unknowns_of(b);
     parts.push_back({{own.begin(), own.end()}, {solved.begin(), solved.end()}});
   }
   assembly_.emplace(Assembly{std::move(s), std::move(parts), std::move(recipe)});
-}
-
-// Compares the recorded computation with the real one at other points. A number that was computed in plain double was
-// not recorded.
-bool ValueTable::is_verified() {
-  std::size_t same = 0;
-  const auto take = [&](std::span<const double> row) {
-    switch (check(row)) {
-      case Check::same:
-        ++same;
-        return true;
-      case Check::does_not_apply:
-        return true;
-      case Check::differs:
-        break;
-    }
-    why_not_ = "numbers of the scene depend on the values in a way that cannot be repeated without the scene";
-    return false;
-  };
-  const std::size_t stride = std::max<std::size_t>(count() / kMostVerified, 1);
-  for (std::size_t i = count(); i > 0 && same < kEnoughVerified; i -= std::min(stride, i)) {
-    if (!take(between(i - 1, 0.01, 0.5)) || !take(row(i - 1))) return false;
-  }
-  return same > 0;
-}
-
-ValueTable::Check ValueTable::check(std::span<const double> row) const {
-  std::vector<double> parameters;
-  for (const std::size_t k : varying_) parameters.push_back(row[k]);
-  Replay replay(*tape_, recipe_->wanted(), 1);
-  const double* const pointer = parameters.data();
-  replay.run({&pointer, 1});
-  if (!replay.holds(0)) return Check::does_not_apply;
-  System replayed = *structure_->system;
-  Recipe::Target(*recipe_, replayed).set(replay, 0);
-  try {
-    const Prepared p = prepare(scene_at(row));
-    const System& real = *p.structure->system;
-    if (real.length_exponent != replayed.length_exponent) return Check::does_not_apply;
-    return alike(*first_, p) && Recipe::same_numbers(replayed, real) ? Check::same : Check::differs;
-  } catch (const Error& e) {
-    if (e.kind() == Error::Kind::environment) throw;
-    // A posture that cannot be assembled says nothing; a scene that is refused should not have been replayed.
-    return e.kind() == Error::Kind::numerical ? Check::does_not_apply : Check::differs;
-  }
 }
 
 std::unique_ptr<MemberBinder> ValueTable::binder(std::size_t lanes) const {

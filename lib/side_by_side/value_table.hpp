@@ -9,6 +9,7 @@
 
 #include "assur/plan.hpp"
 #include "assur/scene.hpp"
+#include "planning/prepare_at.hpp"
 #include "side_by_side/bound_members.hpp"
 #include "side_by_side/recipe.hpp"
 #include "side_by_side/replay.hpp"
@@ -29,7 +30,7 @@ class ValueTable final : public BoundMembers {
   [[nodiscard]] const TimeGrid& time() const override { return first_ ? first_->time : scene_.time(); }
   [[nodiscard]] const std::string& why_not() const override { return why_not_; }
   [[nodiscard]] std::unique_ptr<MemberBinder> binder(std::size_t lanes) const override;
-  [[nodiscard]] Prepared prepare(std::size_t member) const override { return prepare(scene_at(row(member))); }
+  [[nodiscard]] Prepared prepare(std::size_t member) const override { return prepare(scene_at(member)); }
   bool take(std::vector<double> values) override;
 
  private:
@@ -38,17 +39,15 @@ class ValueTable final : public BoundMembers {
     return std::span(values_).subspan(member * names_.size(), names_.size());
   }
   void check_size(std::size_t values) const;
-  [[nodiscard]] Scene scene_at(std::span<const double> row) const;
+  // tape: null, or what varies are its parameters.
+  [[nodiscard]] Scene scene_at(std::size_t member, ParameterTape* tape = nullptr) const;
+  [[nodiscard]] KnownStart known_start() const;
   [[nodiscard]] Prepared prepare(const Scene& scene) const;
-  [[nodiscard]] std::vector<double> between(std::size_t member, double from, double to) const;
   [[nodiscard]] bool has_constants(std::size_t member) const;
   void prepare_first();
-  void record_assembly(const Scene& scene);
+  void record_assembly(const Scene& scene, const Tape& tape);
   void record();
   [[nodiscard]] bool record_at(std::size_t member);
-  [[nodiscard]] bool is_verified();
-  enum class Check : std::uint8_t { same, differs, does_not_apply };
-  [[nodiscard]] Check check(std::span<const double> row) const;
 
   Scene scene_;
   std::vector<std::string> names_;
@@ -60,10 +59,9 @@ class ValueTable final : public BoundMembers {
   std::string why_not_;
   bool depends_on_values_ = false;  // why_not_ does: other members may be bound
   // The recorded computation.
-  std::vector<std::size_t> varying_;  // columns that are its parameters
-  std::vector<double> recorded_;      // a row: the other columns must have these values
-  std::vector<double> means_;         // of the columns
-  std::unique_ptr<Tape> tape_;
+  std::vector<std::size_t> varying_;         // columns that are its parameters
+  std::vector<double> recorded_;             // a row: the other columns must have these values
+  std::optional<ParameterProgram> program_;  // of the numbers of recipe_, then of those of assembly_
   std::optional<Recipe> recipe_;
   std::shared_ptr<const Structure> structure_;  // of the recorded mechanism
   // Its equations before presolve, which prepare() assembles block after block. Empty: they are not enough for that.

@@ -263,7 +263,9 @@ void DriveProgram::evaluate_by_kernels(double t) {
     kernels_->add_harmonics(harmonics_.data(), harmonics_.size(), t, value, rate, acceleration);
   }
   for (const Polynomial& p : polynomials_) {
-    add(p.slot, law_detail::horner({coefficients_.data() + p.begin, coefficients_.data() + p.end}, t), 1);
+    add(p.slot,
+        law_detail::horner(std::span<const double>(coefficients_.data() + p.begin, coefficients_.data() + p.end), t),
+        1);
   }
   for (const Table& table : tables_) {
     if (held_[idx(table.slot)] == 0) add(table.slot, law_detail::evaluate(*table.of, t), scale(table.slot));

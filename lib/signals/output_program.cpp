@@ -59,10 +59,10 @@ void OutputProgram::bind(const System& s, std::span<const std::int32_t> address,
       if (!o.wanted[d]) continue;
       const auto begin = static_cast<std::int32_t>(total_terms_.size());
       for (const auto& [measure, factor] : o.sum->terms) {
-        total_terms_.push_back({column_of.at({s.measures[static_cast<std::size_t>(measure)].name, d}), factor});
+        total_terms_.push_back({column_of.at({s.measures[static_cast<std::size_t>(measure)].name, d}), factor.value()});
       }
       totals_.push_back(
-          {begin, static_cast<std::int32_t>(total_terms_.size()), first[d], d == 0 ? o.sum->constant : 0});
+          {begin, static_cast<std::int32_t>(total_terms_.size()), first[d], d == 0 ? o.sum->constant.value() : 0});
     }
     if (o.sum != nullptr) continue;
     for (std::int32_t k = 0; k < parts; ++k) {
@@ -306,21 +306,21 @@ StepProgram OutputProgram::arm_step(Numbers numbers, std::size_t first_y) const 
 }
 
 StepProgram OutputProgram::change_step() const {
-  using Number = DualOf<Value>;
+  using ArmDual = DualOf<Value>;
   Writer to(*this, Numbers::loads);
   to.each_linear(Writer::kChange, [&](std::int32_t column, const Value& value) { to.put(column, value); });
   std::size_t rounding = 0;
   for (const Part& p : parts_) {
     if (!p.is_signed_angle()) continue;
-    const auto [x, y] = arm_by<Jet<Number>>(p, [&](std::int32_t form) {
-      Number of[3];
+    const auto [x, y] = arm_by<Jet<ArmDual>>(p, [&](std::int32_t form) {
+      ArmDual of[3];
       for (std::size_t d = 0; d < 3; ++d) {
         const Value value = to.form(form, d), size = p.arm >= 0 ? to.size_of_terms(form, d) : value;
         of[d] = {value, to.form(form, d, Writer::kChange) + to.load(Memory::work, rounding++) * size};
       }
-      return Jet<Number>{of[0], of[1], of[2]};
+      return Jet<ArmDual>{of[0], of[1], of[2]};
     });
-    const Jet<Number> m = assur::angle_of<Number>({{}, slope_of_angle(y.value, x.value)}, y, x);
+    const Jet<ArmDual> m = assur::angle_of<ArmDual>({{}, slope_of_angle(y.value, x.value)}, y, x);
     to.put(p.column[0], m.value.slope);
     to.put(p.column[1], m.rate.slope);
     to.put(p.column[2], m.acceleration.slope);

@@ -25,8 +25,8 @@ inline FrameAxes frame_axes(const System& s, const Frame& frame, std::span<const
   }
   const Triple off = triple::subtract(triple::cross(a[0], a[1]), a[2]);
   return {!(triple::dot(triple::cross(a[0], a[1]), a[2]) > 0),
-          std::max({triple::norm(off), std::abs(triple::dot(a[0], a[1])), std::abs(triple::norm(a[0]) - 1),
-                    std::abs(triple::norm(a[1]) - 1)})};
+          std::max({triple::norm(off), abs(triple::dot(a[0], a[1])), abs(triple::norm(a[0]) - 1),
+                    abs(triple::norm(a[1]) - 1)})};
 }
 
 }  // namespace assur

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "assur/number.hpp"
 #include "index.hpp"
-#include "scene/number.hpp"
 
 namespace assur {
 namespace {
@@ -64,7 +64,7 @@ class Presolve {
   Affine resolve(Index form) const {
     Affine out;
     for (const Term& t : s_.form(form)) {
-      resolve_term({t.coordinate, s_.constants[idx(t.constant)], t.constant}, out);
+      resolve_term({t.coordinate, s_.constant(t.constant), t.constant}, out);
     }
     return out;
   }
@@ -115,8 +115,7 @@ class Presolve {
 
   Index constant_of(const Affine::Part& p) {
     if (p.constant >= 0) return p.constant;
-    s_.constants.push_back(p.factor.value());
-    return static_cast<Index>(s_.constants.size()) - 1;
+    return s_.add_constant(p.factor);
   }
 
   void rewrite_forms() {

@@ -6,9 +6,9 @@
 #include <unordered_map>
 #include <utility>
 
+#include "assur/number.hpp"
 #include "index.hpp"
 #include "numbers.hpp"
-#include "scene/number.hpp"
 
 namespace assur {
 namespace {
@@ -84,7 +84,7 @@ class Slides {
     if (terms.size() != 1 || terms[0].constant != kPlus) return -1;
     return s_.coordinates[idx(terms[0].coordinate)].role == Role::unknown ? terms[0].coordinate : -1;
   }
-  [[nodiscard]] Number value(Index constant) const { return s_.constants[idx(constant)]; }
+  [[nodiscard]] Number value(Index constant) const { return s_.constant(constant); }
 
   void note_norm(Index equation) {
     const Equation& e = s_.equations[idx(equation)];
@@ -135,8 +135,7 @@ class Slides {
       if (!(abs(own - constant) <= 4 * kEps * abs(constant))) return;
     }
     if (constant != 0) {
-      s_.constants.push_back(constant.value());
-      slide.length.push_back({kOne, static_cast<Index>(s_.constants.size()) - 1});
+      slide.length.push_back({kOne, s_.add_constant(constant)});
     }
     norm_of_.erase(slide.u[0]);
     slides_.push_back(std::move(slide));

@@ -683,7 +683,7 @@ class DrivenStart {
       const Item& item = s_.item(point.name);
       if (!is_unknown(item) || named == kMostPointsNamed) continue;
       Triple there = at(item, a.problem.q);
-      for (double& x : there) x *= s_.unit(1);
+      for (Number& x : there) x *= s_.unit(1);
       a.out.cannot_assemble +=
           (named++ == 0 ? "; to start there, write " : ", ") + point.name + " at " + in_words(there);
     }
@@ -748,7 +748,7 @@ class DrivenStart {
       const Item& item = s_.item(point.name);
       if (!is_unknown(item)) continue;
       Triple now = at(item, p_.q);
-      for (double& x : now) x *= s_.unit(1);
+      for (Number& x : now) x *= s_.unit(1);
       const double moved = triple::norm(triple::subtract(now, point.at));
       if (!(moved > farthest)) continue;
       farthest = moved;

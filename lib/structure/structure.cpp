@@ -209,8 +209,7 @@ Structure analyze(const Scene& scene, const StructureOptions& options, AtRest at
   Problem p;
   Structure out;
   const auto assemble = [&] {
-    // In a solved posture, numbers that depend on each other may have the same bits as independent ones.
-    const Tape::Recording none(nullptr);
+    const Tape::Recording none(nullptr);  // only equations are recorded
     p = {};
     p.unknowns = all_unknowns(s);
     p.q = at_start ? s.guess : options.posture;
@@ -231,6 +230,7 @@ Structure analyze(const Scene& scene, const StructureOptions& options, AtRest at
     if (out.eliminated > 0) p.blocks = decompose(s, p.equations, p.unknowns);
     decouple_slides(s, p.equations, p.unknowns, p.blocks);
   }
+  const Tape::Recording none(nullptr);
 
   std::vector<Draft> drafts = form_groups(s, p.blocks, options.formulation);
   const Cut cut = cut_to_outputs(s, p.blocks, drafts, out.checks, options.predictor_derivatives);

@@ -42,7 +42,7 @@ Way way_to_laws(const System& s, std::span<const double> q, double time) {
   Way way;
   for (const DriverInput& in : s.inputs) {
     const std::vector<double> wanted = wanted_values(s, in, q);
-    std::vector<double> from = in.written;
+    std::vector<double> from(in.written.begin(), in.written.end());
     for (std::size_t k = 0; k < from.size(); ++k) {
       if (std::isnan(from[k])) from[k] = wanted[k];
     }

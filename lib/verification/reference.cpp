@@ -150,7 +150,7 @@ class Comparison {
           const Quad x = trajectory_(k, column);
           Quad reference = d == 0 ? jets[i].value : d == 1 ? jets[i].rate : jets[i].acceleration;
           if (d == 0 && is_signed_angle(o.output.parts()[i])) reference += turns(x - reference);
-          if (o.output.sum != nullptr) reference = d == 0 ? o.output.sum->constant : 0;
+          if (o.output.sum != nullptr) reference = d == 0 ? o.output.sum->constant.value() : 0;
           for (const auto& [term, factor] : o.terms[d]) reference += Quad(factor) * row_[term];
           row_[column] = reference;
           if (d > 0 && std::isnan(trajectory_(k, column))) continue;  // at a kink there is no derivative

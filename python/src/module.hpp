@@ -21,6 +21,21 @@
 #include "assur/curve.hpp"
 #include "assur/modes.hpp"
 
+// A Number is a float.
+template <>
+struct pybind11::detail::type_caster<assur::Number> {
+  PYBIND11_TYPE_CASTER(assur::Number, const_name("float"));
+  bool load(handle from, bool convert) {
+    make_caster<double> number;
+    if (!number.load(from, convert)) return false;
+    value = cast_op<double>(number);
+    return true;
+  }
+  static handle cast(const assur::Number& from, return_value_policy, handle) {
+    return PyFloat_FromDouble(from.value());
+  }
+};
+
 namespace assur::python {
 
 namespace py = pybind11;

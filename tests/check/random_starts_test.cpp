@@ -61,7 +61,7 @@ class Maker {
       Triple d = place();
       const double n = std::hypot(d[0], d[1], d[2]);
       if (n < 0.2 || n > 1) continue;
-      for (double& x : d) x /= n;
+      for (Number& x : d) x /= n;
       return d;
     }
   }
@@ -177,7 +177,7 @@ class Maker {
       Triple axis = direction();
       axis[2] = 0;
       const double n = std::hypot(axis[0], axis[1]);
-      for (double& x : axis) x /= n;
+      for (Number& x : axis) x /= n;
       joints.push_back({random_() % 4 == 0 ? 1 : 0, flat(), axis, {}});
     }
     joints[1].kind = joints[2].kind = 0;
@@ -195,7 +195,7 @@ class Maker {
       const double along = axis[0] * d[0] + axis[1] * d[1] + axis[2] * d[2];
       Triple other = {d[0] - along * axis[0], d[1] - along * axis[1], d[2] - along * axis[2]};
       const double n = std::hypot(other[0], other[1], other[2]);
-      for (double& x : other) x /= n;
+      for (Number& x : other) x /= n;
       joints.push_back({kind, place(), axis, other});
     }
     return loop(3, joints);

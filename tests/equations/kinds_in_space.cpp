@@ -215,7 +215,7 @@ Kind equal_distances() {  // |X - B| = |O - M| = |X - O|; X.x is driven
     const QuadJet x = at(kSlide, t) * 0.25, square = number(0.25 + 0.0625 + 0.5625);
     // X = B + r with r.x known, |r|^2 = square and |r - (O - B)|^2 = square, solved in the plane of y and z.
     const Where d = p["O"] - exact(kB);
-    const QuadJet rx = x - kB[0], dd = d[1] * d[1] + d[2] * d[2], k = dot(d, d) / 2 - rx * d[0];
+    const QuadJet rx = x - kB[0].value(), dd = d[1] * d[1] + d[2] * d[2], k = dot(d, d) / 2 - rx * d[0];
     const QuadJet along = k / dd, rest = sqrt((square - rx * rx) / dd - along * along);
     p["X"] = exact(kB) + Where{rx, along * d[1] - rest * d[2], along * d[2] + rest * d[1]};
   });

@@ -38,7 +38,7 @@ void add_members(const Scene& scene, Posture<T>& posture) {
     if (axes.size() == 1) axes.push_back({-axes[0][1], axes[0][0], T{0}});
     const auto turned = [&axes](const Triple& local) {
       Vec<T> sum = exactly<T>({0, 0, 0});
-      for (std::size_t i = 0; i < axes.size(); ++i) sum = sum + T{local[i]} * axes[i];
+      for (std::size_t i = 0; i < axes.size(); ++i) sum = sum + T{local[i].value()} * axes[i];
       return sum;
     };
     const std::string& origin = body.base.empty() ? body.origin : body.base[0];
@@ -101,14 +101,14 @@ class Equations {
 
   // An omitted value is taken from the guess, where the equation holds by definition.
   void constrain(const std::string& name, const Distance& c) {
-    if (c.value) length(name, c.p, c.q, T{*c.value});
+    if (c.value) length(name, c.p, c.q, T{c.value->value()});
   }
   void constrain(const std::string& name, const Dot& c) {
-    if (c.value) leave(name, dot(direction(c.d), direction(c.e)) - T{*c.value});
+    if (c.value) leave(name, dot(direction(c.d), direction(c.e)) - T{c.value->value()});
   }
   void constrain(const std::string& name, const Linear& c) {
     Vec<T> sum = exactly<T>({-c.value[0], -c.value[1], -c.value[2]});
-    for (const auto& [item, factor] : c.terms) sum = sum + T{factor} * at(item);
+    for (const auto& [item, factor] : c.terms) sum = sum + T{factor.value()} * at(item);
     leave(name, sum);
   }
   // lambda comes from the posture, or else from the best fit.

@@ -3,6 +3,7 @@
 
 #include <array>
 
+#include "assur/number.hpp"
 #include "scene/jet.hpp"
 #include "verification/quad.hpp"
 
@@ -42,8 +43,8 @@ Vec<T> unit(const Vec<T>& a) {
 
 // Doubles are converted exactly.
 template <class T>
-Vec<T> exactly(const std::array<double, 3>& a) {
-  return {T{a[0]}, T{a[1]}, T{a[2]}};
+Vec<T> exactly(const Triple& a) {
+  return {T{a[0].value()}, T{a[1].value()}, T{a[2].value()}};
 }
 
 // In the plane: the point at distance p from P and q from Q, to the left of P -> Q.

@@ -40,8 +40,8 @@ inline Law scaled(const Law& law, double factor) {
   Law out;
   for (const Law::Part& part : law.parts()) {
     if (const auto* polynomial = std::get_if<Law::Polynomial>(&part)) {
-      std::vector<double> c = polynomial->coefficients;
-      for (double& x : c) x *= factor;
+      std::vector<Number> c = polynomial->coefficients;
+      for (Number& x : c) x *= factor;
       out = out + Law::polynomial(c);
     } else if (const auto* harmonics = std::get_if<Law::Harmonics>(&part)) {
       std::vector<Harmonic> terms = harmonics->terms;
@@ -68,7 +68,7 @@ inline Scene scaled(const Scene& scene, int exponent) {
   const double factor = std::ldexp(1.0, exponent);
   const auto power = powers_of_length(scene);
   const auto length = [factor](Triple at) {
-    for (double& x : at) x *= factor;
+    for (Number& x : at) x *= factor;
     return at;
   };
   const auto of = [&](const Direction& d) { return d.is_pair() ? 1 : power.at(d.first); };

@@ -42,7 +42,7 @@ void expect_exact(const Scene& scene, double t, const Posture<QuadJet>& closed_f
     }
   }
   for (const Constraint& c : scene.constraints()) {
-    if (const auto* distance = c.as<Distance>()) shortest = std::min(shortest, *distance->value);
+    if (const auto* distance = c.as<Distance>()) shortest = std::min<double>(shortest, *distance->value);
   }
   Equations<QuadJet> equations(scene, posture);
   equations.drive([t](const Law& law) { return evaluate<Quad>(law, Quad(t)); });

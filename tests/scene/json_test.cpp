@@ -110,7 +110,7 @@ TEST(Json, ReadsEveryConstraint) {
   EXPECT_FALSE(as<Dot>(c[3]).value.has_value());
   EXPECT_EQ(as<Parallel>(c[4]).d.first + as<Parallel>(c[4]).d.second + as<Parallel>(c[4]).e.first, "BCu");
   ASSERT_EQ(as<Linear>(c[5]).terms.size(), 3u);
-  EXPECT_EQ(as<Linear>(c[5]).terms[1], (std::pair<std::string, double>{"B", -2.5}));
+  EXPECT_EQ(as<Linear>(c[5]).terms[1], (std::pair<std::string, Number>{"B", -2.5}));
   EXPECT_EQ(as<Linear>(c[5]).value, (Triple{1, 2, 3}));
   EXPECT_EQ(as<Linear>(c[6]).value, (Triple{7, 7, 7}));
   EXPECT_EQ(as<Linear>(c[7]).value, (Triple{0, 0, 0}));

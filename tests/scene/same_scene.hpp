@@ -68,7 +68,7 @@ class SceneDump {
   }
   void one(const Triple& t) { put(t[0], t[1], t[2]); }
   void one(const Direction& d) { put(d.first, d.second); }
-  void one(const std::optional<double>& x) { x ? put("is", *x) : put("none"); }
+  void one(const std::optional<Number>& x) { x ? put("is", *x) : put("none"); }
   void one(const Anchor& a) {
     std::visit([&](const auto& own) { one(own); }, a);
   }

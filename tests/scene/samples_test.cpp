@@ -211,9 +211,9 @@ TEST(Stewart, HasTheGeometryOfThePaper) {
   const Scene scene = sample("stewart");
   const Equations<double> at = guess_of(scene);
   const double third = 2 * std::numbers::pi / 3, quarter = std::numbers::pi / 2;
-  std::unordered_map<std::string, Triple> local;
-  for (const Member& m : scene.bodies().at(0).points) local[m.name] = m.local;
-  for (const Member& m : scene.bodies().at(0).vectors) local[m.name] = m.local;
+  std::unordered_map<std::string, Vec<double>> local;
+  for (const Member& m : scene.bodies().at(0).points) local[m.name] = values(m.local);
+  for (const Member& m : scene.bodies().at(0).vectors) local[m.name] = values(m.local);
 
   for (int k = 1; k <= 6; ++k) {
     SCOPED_TRACE(k);

@@ -137,7 +137,7 @@ TEST(ErrorEstimate, IsHonestForRandomMechanisms) {
   for (int i = 0; i < all; ++i) {
     const double far = draw.below(3) == 0 ? 0 : std::pow(10, draw.real(0, 7));
     Triple origin;
-    for (double& x : origin) x = far * draw.real(-1, 1);
+    for (Number& x : origin) x = far * draw.real(-1, 1);
     const Scene scene = draw.maybe() ? test::planar_mechanism(draw, origin) : test::spatial_mechanism(draw, origin);
     try {
       const Prepared p = prepare(scene, {.strategy = draw.of(strategies)});

@@ -67,8 +67,9 @@ std::vector<Quad> outputs_of_reference(const Scene& scene, const std::string& dr
   for (const Output& o : wanted_outputs(s)) {
     row_of[std::string(o.name)] = out.size();
     if (o.sum != nullptr) {
-      Quad sum = o.sum->constant;
-      for (const auto& term : o.sum->terms) sum += term.factor * out[row_of.at(s.measures[idx(term.measure)].name)];
+      Quad sum = o.sum->constant.value();
+      for (const auto& term : o.sum->terms)
+        sum += term.factor.value() * out[row_of.at(s.measures[idx(term.measure)].name)];
       out.push_back(sum);
       continue;
     }

@@ -310,7 +310,7 @@ class JointMechanism : public std::enable_shared_from_this<JointMechanism> {
       for (const Solid& s : solids_) {
         if (s.name != b.name) continue;
         for (const auto& [name, p] : s.tracers) {
-          gain = std::max(gain, 1 + triple::norm(triple::subtract(p, at)) * turn);
+          gain = std::max<double>(gain, 1 + triple::norm(triple::subtract(p, at)) * turn);
         }
       }
     }
@@ -504,7 +504,7 @@ class JointMechanism : public std::enable_shared_from_this<JointMechanism> {
     for (std::size_t k = 1; k < b.base.size(); ++k) {
       const auto [at, is_point] = place(scene, b.base[k]);
       ways.push_back(is_point ? triple::subtract(at, o) : at);
-      if (is_point) shortest = std::min(shortest, triple::norm(ways.back()));
+      if (is_point) shortest = std::min<double>(shortest, triple::norm(ways.back()));
     }
     if (ways.size() == 2) {
       sine = triple::norm(triple::cross(ways[0], ways[1])) / (triple::norm(ways[0]) * triple::norm(ways[1]));

@@ -42,7 +42,7 @@ class Shipped {
     for (const Constraint& c : scene_.constraints()) {
       if (c.name != constraint) continue;
       const auto* distance = c.as<Distance>();
-      if (distance->value) return QuadJet{*distance->value};
+      if (distance->value) return QuadJet{distance->value->value()};
       const Point3 d = fixed(distance->q) - fixed(distance->p);
       return norm(d);
     }

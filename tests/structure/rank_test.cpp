@@ -365,7 +365,7 @@ TEST(Rank, BricardRuns) {
   const auto distance = [&](std::size_t row, const std::string& a, const std::string& b) {
     const auto at = [&](const std::string& p, std::size_t k) {
       static const std::map<std::string, Triple> fixed = {{"P5", {0, 0, 1}}, {"P0", {0, 0, 0}}};
-      if (const auto f = fixed.find(p); f != fixed.end()) return f->second[k];
+      if (const auto f = fixed.find(p); f != fixed.end()) return f->second[k].value();
       return run(row, run.index(p + "." + "xyz"[k]));
     };
     return std::hypot(at(a, 0) - at(b, 0), at(a, 1) - at(b, 1), at(a, 2) - at(b, 2));

@@ -94,7 +94,10 @@ class Reader {
     return shared->dump();
   }
 
-  Parameters parameters(const char* key) { return value<Parameters>(key); }
+  Parameters parameters(const char* key) {
+    const auto numbers = value<std::map<std::string, double>>(key);
+    return {numbers.begin(), numbers.end()};
+  }
 
   // The case, or one case for each value of its sweep.
   std::vector<Case> swept(Case c) {

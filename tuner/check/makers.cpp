@@ -15,7 +15,7 @@ namespace {
 // The value of a parameter, or its default.
 double get(const Parameters& set, const std::string& name, double otherwise) {
   const auto found = set.find(name);
-  return found == set.end() ? otherwise : found->second;
+  return found == set.end() ? otherwise : found->second.value();
 }
 
 // A callback with n equations A (x - c s) = 0 and the known solution x_i = c_i s(t). s oscillates; c_i is 1/2, 1 or 2.

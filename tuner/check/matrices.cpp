@@ -155,7 +155,7 @@ Run solve(const Dense& a, const Task& task, const Backend& backend, bool single,
 Dense matrix(const std::string& name, const Parameters& set) {
   const auto get = [&](const char* parameter, double otherwise) {
     const auto found = set.find(parameter);
-    return found == set.end() ? otherwise : found->second;
+    return found == set.end() ? otherwise : found->second.value();
   };
   const auto n = static_cast<std::size_t>(get("n", 20));
   if (name == "wilkinson") {  // partial pivoting doubles the last column at each step

@@ -124,7 +124,7 @@ PlainEquations::PlainEquations(const Scene& scene) : dimension_(scene.dimension(
     for (const Member& m : b.points) see(std::hypot(m.local[0], m.local[1], m.local[2]));
   }
   for (const Constraint& c : scene.constraints()) {
-    if (const auto* d = c.as<Distance>()) see(d->value ? *d->value : between(d->p, d->q));
+    if (const auto* d = c.as<Distance>()) see(d->value ? d->value->value() : between(d->p, d->q));
     if (const auto* l = c.as<OnLine>()) see(between(l->p, l->a));
   }
   for (const Driver& d : scene.drivers()) {

@@ -48,10 +48,10 @@ class QuadMotion final : public TrueMotion {
   }
 
   [[nodiscard]] Jet<Quad> jet(const MeasureForms& sum) const {
-    Jet<Quad> total{Quad(sum.constant), 0, 0};
+    Jet<Quad> total{Quad(sum.constant.value()), 0, 0};
     for (const auto& [measure, factor] : sum.terms) {
       const MeasureForms& m = motion_.system().measures[static_cast<std::size_t>(measure)];
-      total = total + Quad(factor) * jet(OutputPart{m.kind, m.dimension, m.forms});
+      total = total + Quad(factor.value()) * jet(OutputPart{m.kind, m.dimension, m.forms});
     }
     return total;
   }

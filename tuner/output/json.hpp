@@ -5,7 +5,14 @@
 #include <ostream>
 #include <vector>
 
+#include "assur/number.hpp"
 #include "assur/status.hpp"
+
+namespace assur {
+
+inline void to_json(nlohmann::ordered_json& json, const Number& number) { json = number.value(); }
+
+}  // namespace assur
 
 namespace assur::output {
 

@@ -74,7 +74,7 @@ std::vector<int> places(const std::vector<Triple>& points, double tolerance) {
 
 std::vector<std::vector<int>> faces(const std::vector<Triple>& points) {
   double size = 0;
-  for (const Triple& p : points) size = std::max(size, norm(subtract(p, points.front())));
+  for (const Triple& p : points) size = std::max<double>(size, norm(subtract(p, points.front())));
   const double tolerance = kFlat * size;
   const std::vector<int> all = places(points, tolerance);
   if (all.size() < 2) return {};

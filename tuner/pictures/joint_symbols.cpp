@@ -17,7 +17,7 @@ namespace {
 using Symbol = Drawing::Symbol;
 using triple::scale;
 
-Triple unit(const Triple& v) { return scale(1 / std::max(triple::norm(v), 1e-300), v); }
+Triple unit(const Triple& v) { return scale(1 / std::max<double>(triple::norm(v), 1e-300), v); }
 
 // Two directions perpendicular to the axis and to each other.
 std::array<Triple, 2> across(const Triple& axis) {
@@ -75,13 +75,14 @@ class Symbols {
     const auto shape = [&](std::size_t f) {
       Triple t = axis(f);
       if (t[2] < 0) t = scale(-1, t);
-      const double flat = std::hypot(t[0], t[1]), ux = flat > 0 ? t[0] / flat : 1, uy = flat > 0 ? -t[1] / flat : 0;
+      const double flat = std::hypot(t[0], t[1]), ux = flat > 0 ? t[0] / flat : Number(1),
+                   uy = flat > 0 ? -t[1] / flat : Number(0);
       const Pixel c = svg_.at(f, j_.point);
       const double dx = half * size_ * t[0], dy = -half * size_ * t[1];
       return Shape{{c[0] - dx, c[1] - dy},
                    {c[0] + dx, c[1] + dy},
                    {-uy * size_, ux * size_},
-                   "A" + pixels(Pixel{std::max(0.1, size_ * t[2]), size_}) + " " +
+                   "A" + pixels(Pixel{std::max<double>(0.1, size_ * t[2]), size_}) + " " +
                        pixels(std::atan2(uy, ux) * 360 / kTurn) + " 0 1 "};
     };
     const auto off = [](const Pixel& p, const Pixel& by, double sign) {

@@ -72,7 +72,7 @@ double Postures::apart(std::size_t one, std::size_t other) const {
   double most = 0;
   for (std::size_t i = 0; i < drawing->moving; ++i) {
     const int point = static_cast<int>(i);
-    most = std::max(most, triple::norm(triple::subtract(place(one, point), place(other, point))));
+    most = std::max<double>(most, triple::norm(triple::subtract(place(one, point), place(other, point))));
   }
   return most;
 }

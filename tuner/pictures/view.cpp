@@ -33,7 +33,8 @@ View::View(int dimension, const std::vector<Triple>& seen, double width) {
   std::array<double, 2> low = {kInfinity, kInfinity}, high = {-kInfinity, -kInfinity};
   for (const Triple& p : seen) {
     const Triple t = turned(p);
-    for (std::size_t k = 0; k < 2; ++k) low[k] = std::min(low[k], t[k]), high[k] = std::max(high[k], t[k]);
+    for (std::size_t k = 0; k < 2; ++k)
+      low[k] = std::min<double>(low[k], t[k]), high[k] = std::max<double>(high[k], t[k]);
   }
   if (!(low[0] <= high[0])) low = high = {0, 0};
   const double wide = high[0] - low[0], tall = high[1] - low[1], least = std::max(std::max(wide, tall) / 1e3, 1e-300);

@@ -74,10 +74,10 @@ Number Expansion::width(const std::vector<std::size_t>& base) const {
     return features_[base[to]].is_point ? minus(features_[base[to]].at, features_[base[from]].at)
                                         : features_[base[to]].at;
   };
-  if (base.size() < 3) return base.size() < 2 ? Number(0) : recorded::norm(way(0, 1));
-  const Number area = recorded::norm(recorded::cross(way(0, 1), way(0, 2)));
+  if (base.size() < 3) return base.size() < 2 ? Number(0) : triple::norm(way(0, 1));
+  const Number area = triple::norm(triple::cross(way(0, 1), way(0, 2)));
   if (!features_[base[1]].is_point || !features_[base[2]].is_point) return area;
-  return area / std::max({recorded::norm(way(0, 1)), recorded::norm(way(0, 2)), recorded::norm(way(1, 2))});
+  return area / std::max({triple::norm(way(0, 1)), triple::norm(way(0, 2)), triple::norm(way(1, 2))});
 }
 
 void Expansion::widen(std::vector<std::size_t>& base, const std::vector<std::size_t>& all,

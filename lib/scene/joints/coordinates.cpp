@@ -167,8 +167,8 @@ void Expansion::drive_angle(const Driver& d, const Joint& j) {
   };
   auto arm = std::find_if(turned.features.begin(), turned.features.end(), serves);
   if (arm == turned.features.end()) {
-    put_on(solid(b), add({j.name + ".arm", true,
-                          recorded::add(at, recorded::scale(arm_length(at), across(axis, p_.dimension)))}));
+    put_on(solid(b),
+           add({j.name + ".arm", true, triple::add(at, triple::scale(arm_length(at), across(axis, p_.dimension)))}));
     arm = turned.features.end() - 1;
   }
   features_[*arm].driven = features_[*arm].wanted = true;
@@ -185,7 +185,7 @@ Number Expansion::arm_length(const Triple& at) const {
   const std::size_t stride = features_.size() / kSearched + 1;
   for (std::size_t i = 0; i < features_.size(); i += stride) {
     const Feature& f = features_[i];
-    if (f.is_point && !is_same(f.at, at)) lengths.push_back(recorded::norm(minus(f.at, at)));
+    if (f.is_point && !is_same(f.at, at)) lengths.push_back(triple::norm(minus(f.at, at)));
   }
   if (lengths.empty()) return 1;
   std::nth_element(lengths.begin(), lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2), lengths.end());
@@ -201,8 +201,8 @@ Triple Expansion::arm_direction(int solid, const Triple& axis) const {
       first = &f;
       continue;
     }
-    const Triple way = minus(f.at, first->at), off = minus(way, recorded::scale(recorded::dot(way, axis), axis));
-    if (recorded::norm(off) > kWellApart * recorded::norm(way)) return unit(off);
+    const Triple way = minus(f.at, first->at), off = minus(way, triple::scale(triple::dot(way, axis), axis));
+    if (triple::norm(off) > kWellApart * triple::norm(way)) return unit(off);
   }
   return across(axis, p_.dimension);
 }

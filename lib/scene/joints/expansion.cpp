@@ -219,13 +219,13 @@ bool Expansion::to_ground(const Body& b, const Member& m, bool is_point, Triple&
   };
   if (b.base.size() > 1) x = unit(way(b.base[1]));
   if (!b.frame.empty()) x = unit(way(b.frame[0]));
-  if (!in_space()) y = values({-Number(x[1]), x[0], 0});
-  if (b.base.size() > 2) z = unit(recorded::cross(x, way(b.base[2]))), y = recorded::cross(z, x);
+  if (!in_space()) y = {-x[1], x[0], 0};
+  if (b.base.size() > 2) z = unit(triple::cross(x, way(b.base[2]))), y = triple::cross(z, x);
   if (b.frame.size() == 3) y = unit(way(b.frame[1])), z = unit(way(b.frame[2]));
-  const Triple turned = recorded::add(recorded::scale(m.local[0], x),
-                                      recorded::add(recorded::scale(m.local[1], y), recorded::scale(m.local[2], z)));
-  out = is_point ? recorded::add(origin->at, turned) : turned;
-  return recorded::is_finite(out);
+  const Triple turned = triple::add(triple::scale(m.local[0], x),
+                                    triple::add(triple::scale(m.local[1], y), triple::scale(m.local[2], z)));
+  out = is_point ? triple::add(origin->at, turned) : turned;
+  return triple::is_finite(out);
 }
 
 }  // namespace assur::joints

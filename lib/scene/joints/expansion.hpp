@@ -20,8 +20,8 @@
 #include "numbers.hpp"
 #include "scene/joints/joints.hpp"
 #include "scene/names.hpp"
-#include "scene/recorded.hpp"
 #include "scene/symbols.hpp"
+#include "scene/triple.hpp"
 
 namespace assur::joints {
 
@@ -37,10 +37,10 @@ inline constexpr std::size_t kSearched = 1000;  // features of a body among whic
 inline constexpr int kNobody = -1;
 inline constexpr Index kLast = std::numeric_limits<Index>::max();
 
-using recorded::unit;
-inline Triple minus(const Triple& a, const Triple& b) { return recorded::subtract(a, b); }
+using triple::unit;
+inline Triple minus(const Triple& a, const Triple& b) { return triple::subtract(a, b); }
 inline Number sine(const Triple& a, const Triple& b) {
-  return recorded::norm(recorded::cross(a, b)) / (recorded::norm(a) * recorded::norm(b));
+  return triple::norm(triple::cross(a, b)) / (triple::norm(a) * triple::norm(b));
 }
 
 template <class... Visitors>
@@ -55,11 +55,11 @@ inline Triple across(const Triple& axis, int dimension) {
   if (dimension == 2) return {1, 0, 0};
   std::size_t least = 0;
   for (std::size_t k = 1; k < 3; ++k) {
-    if (abs(Number(axis[k])) < abs(Number(axis[least]))) least = k;
+    if (abs(axis[k]) < abs(axis[least])) least = k;
   }
   Triple e{};
   e[least] = 1;
-  return unit(recorded::cross(axis, e));
+  return unit(triple::cross(axis, e));
 }
 
 // A point or vector that may be shared by bodies. Until the bases are chosen, no body determines it.
@@ -161,7 +161,7 @@ class Expansion {
 
   // ---- sliding (sharing.cpp)
   [[nodiscard]] bool is_same(const Triple& a, const Triple& b, double share = kSame) const {
-    return recorded::norm(minus(a, b)) <= share * std::max(recorded::norm(a), recorded::norm(b));
+    return triple::norm(minus(a, b)) <= share * std::max(triple::norm(a), triple::norm(b));
   }
   [[nodiscard]] bool is_on_line(const Feature& f, const Triple& at, const Triple& axis, double share = kSame) const;
   // The sliding point belongs to the second body; takes an existing point if possible.

@@ -30,14 +30,14 @@ std::size_t Expansion::anchor(const Joint& j, const Where& here, const Anchor& a
     features_[feature].wanted = true;
   } else {
     Triple at = std::get<Triple>(a);
-    if (!recorded::is_finite(at)) {
+    if (!triple::is_finite(at)) {
       report(here, "the coordinates must be finite");
       at = {1, 0, 0};
-    } else if (!is_point && recorded::norm(at) == 0) {
+    } else if (!is_point && triple::norm(at) == 0) {
       report(here, std::string(here.text().ends_with("/normal") ? "the normal" : "the axis") +
                        " is zero or missing; give a direction, e.g. [0, 0, 1]");
       at = {1, 0, 0};
-    } else if (!in_space() && Number(at[2]) != 0) {
+    } else if (!in_space() && at[2] != 0) {
       report(here, "a plane scene has no z; write 0 or leave it out");
     }
     feature = add({std::move(name), is_point, is_point ? at : unit(at)});
@@ -105,7 +105,7 @@ void Expansion::share(const Joint& j, const Universal& r, int a, int b) {
   anchor(j, where(j) / "at", r.at, true, j.name, {a, b});
   const std::size_t d = anchor(j, where(j) / "axes" / std::size_t{0}, r.axis_a, false, j.name + ".axis_a", {a});
   const std::size_t e = anchor(j, where(j) / "axes" / std::size_t{1}, r.axis_b, false, j.name + ".axis_b", {b});
-  const Number cosine = recorded::dot(features_[d].at, features_[e].at);
+  const Number cosine = triple::dot(features_[d].at, features_[e].at);
   if (d == e || !(abs(cosine) <= kSquare)) {
     const bool are_parallel = sine(features_[d].at, features_[e].at) <= kSquare;
     report(where(j) / "axes",
@@ -123,8 +123,8 @@ void Expansion::share(const Joint& j, const Planar& r, int a, int b) {
 bool Expansion::is_on_line(const Feature& f, const Triple& at, const Triple& axis, double share) const {
   if (!f.is_point) return sine(f.at, axis) <= share;
   const Triple off = minus(f.at, at);
-  return recorded::norm(off) == 0 ||
-         recorded::norm(recorded::cross(off, axis)) <= share * std::max(recorded::norm(off), recorded::norm(f.at));
+  return triple::norm(off) == 0 ||
+         triple::norm(triple::cross(off, axis)) <= share * std::max(triple::norm(off), triple::norm(f.at));
 }
 
 void Expansion::place_slides() {

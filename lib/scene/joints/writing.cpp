@@ -157,7 +157,7 @@ void Expansion::tie(std::size_t t, std::map<std::string, std::vector<Member>>& p
   const std::string copy = stem + ".copy" + std::to_string(t);
   if (const std::size_t g = companion(ties_[t]); g != ties_[t].feature) {
     const std::string side = stem + ".across" + std::to_string(t);
-    const Triple at = unit(recorded::cross(features_[g].at, f.at));
+    const Triple at = unit(triple::cross(features_[g].at, f.at));
     if (solid.is_ground) {
       declare({side, false, at, true});
     } else {

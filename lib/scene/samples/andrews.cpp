@@ -38,7 +38,7 @@ Scene andrews(const Values& values) {
       .measure("gamma", AngleBetween{"down", Direction{"B", "E"}, ""})
       .measure("delta", AbsoluteAngle{"A", "G"})
       .measure("epsilon", AngleBetween{"down", Direction{"A", "H"}, ""})
-      .time(0, 72 * (kTurn / 72 / values["omega"]), kTurn / 72 / values["omega"])
+      .time(0, 72 * (kTurn / 72 / values.plain("omega")), kTurn / 72 / values.plain("omega"))
       .build();
 }
 

@@ -35,11 +35,11 @@ Scene bricard(const Values& values) {
     builder.constrain(named("far", i), Dot{rod, named("u", i + 1), 0.0});
     builder.constrain(named("twist", i), Dot{named("u", i), named("u", i + 1), 0.0});
   }
-  const double omega = values["omega"];
-  builder.drive("hinge", PointAngle{"P0", "P1", "u0", wave(swing, omega, -std::asin(middle / swing), middle)});
+  builder.drive("hinge",
+                PointAngle{"P0", "P1", "u0", wave(swing, values["omega"], -std::asin(middle / swing), middle)});
   builder.measure("theta", AngleBetween{Direction{"P5", "P0"}, Direction{"P0", "P1"}, "u0"});
   builder.measure("phi", AngleBetween{Direction{"P0", "P1"}, Direction{"P1", "P2"}, "u1"});
-  return builder.time(0, values["steps"] * values["step"], values["step"]).build();
+  return builder.time(0, values.plain("steps") * values.plain("step"), values.plain("step")).build();
 }
 
 }  // namespace assur::samples

@@ -25,7 +25,7 @@ struct Chain {
   }
 
   // Adds loop i, with its rocker about a; b: guess of B_{i+1}.
-  void add_loop(int i, const Triple& a, const Triple& b, double coupler, double rocker) {
+  void add_loop(int i, const Triple& a, const Triple& b, double coupler, const Number& rocker) {
     const std::string A = number("A", i + 1), B = number("B", i + 1);
     builder.fixed_point(A, a)
         .point(B, b)
@@ -36,7 +36,7 @@ struct Chain {
 
   Scene finish(int loops, const Values& values) {
     builder.measure("rocker_angle", AbsoluteAngle{number("A", loops), number("B", loops)});
-    builder.time(0, values["steps"] * values["step"], values["step"]);
+    builder.time(0, values.plain("steps") * values.plain("step"), values.plain("step"));
     return std::move(builder).build();
   }
 };
@@ -80,7 +80,7 @@ Scene parallelograms(const Values& values) {
     const std::string G = number("G", i + 1), M = number("M", i + 1);
     chain.builder.fixed_point(G, {x - 1, 0, 0})
         .add(Body{number("bar", i + 1), "", {}, {number("B", i), number("B", i + 1)}, {{M, {1, 0, 0}}}, {}})
-        .constrain(number("third", i + 1), Distance{G, M, (1 + Number(values["excess"])).value()});
+        .constrain(number("third", i + 1), Distance{G, M, 1 + values["excess"]});
   }
   return chain.finish(loops, values);
 }
@@ -89,7 +89,7 @@ Scene parallelograms(const Values& values) {
 // side. For delta > 0 the rocker stays on that side. It passes the change point of the parallelogram (crank angle pi)
 // at a distance that vanishes with delta.
 Scene almost_parallelogram(const Values& values) {
-  const double rocker = (1 + Number(values["delta"])).value();
+  const Number rocker = 1 + values["delta"];
   const Triple a = {2, 0, 0}, b = {0, 1, 0};
   Chain chain("almost_parallelogram", {0, 0, 0}, b, 1, Law::polynomial({std::numbers::pi / 2, kTurn}));
   chain.add_loop(0, a, meet(b, 2, a, rocker), 2, rocker);

@@ -1,34 +1,33 @@
-// The vector algebra of start postures. What depends on options is computed in Numbers, so that a tape records it.
+// The vector algebra of start postures.
 #pragma once
 
 #include <cmath>
 
 #include "assur/scene.hpp"
 #include "numbers.hpp"
-#include "scene/recorded.hpp"
 #include "scene/triple.hpp"
 
 namespace assur::samples {
 
-inline Triple operator+(const Triple& a, const Triple& b) { return recorded::add(a, b); }
-inline Triple operator-(const Triple& a, const Triple& b) { return recorded::subtract(a, b); }
-inline Triple operator*(const Number& s, const Triple& a) { return recorded::scale(s, a); }
+inline Triple operator+(const Triple& a, const Triple& b) { return triple::add(a, b); }
+inline Triple operator-(const Triple& a, const Triple& b) { return triple::subtract(a, b); }
+inline Triple operator*(const Number& s, const Triple& a) { return triple::scale(s, a); }
 
 using triple::cross;
 using triple::dot;
 using triple::norm;
-inline Triple unit(const Triple& a) { return (1 / recorded::norm(a)) * a; }
+using triple::unit;
 
 // Horizontal unit vector in direction `azimuth` (from x towards y).
 inline Triple heading(double azimuth) { return {std::cos(azimuth), std::sin(azimuth), 0}; }
 
 // In the plane: the point at distance p from P and q from Q, to the left of P -> Q. NaN if the circles do not meet.
 inline Triple meet(const Triple& P, const Number& p, const Triple& Q, const Number& q) {
-  const Numbers from = numbers(P), d = numbers(Q - P);
-  const Number square = recorded::dot(d, d);
+  const Triple d = Q - P;
+  const Number square = triple::dot(d, d);
   const Number along = (square + p * p - q * q) / (2 * square);
   const Number across = sqrt(p * p / square - along * along);
-  return values({from[0] + along * d[0] - across * d[1], from[1] + along * d[1] + across * d[0], 0});
+  return {P[0] + along * d[0] - across * d[1], P[1] + along * d[1] + across * d[0], 0};
 }
 
 // Columns of R = Rz(psi) Ry(theta) Rx(phi).
@@ -45,7 +44,7 @@ inline Axes euler_zyx(double psi, double theta, double phi) {
 
 // offset + amplitude * sin(omega t + phase)
 inline Law wave(const Number& amplitude, const Number& omega, double phase, const Number& offset = 0) {
-  return Law::harmonics({{amplitude.value(), (omega / kTurn).value(), phase}}, offset.value());
+  return Law::harmonics({{amplitude, omega / kTurn, phase}}, offset);
 }
 
 }  // namespace assur::samples

@@ -17,7 +17,7 @@ double azimuth(int k) {
 struct Poses {
   std::array<Law, 3> translation, rotation;
 
-  explicit Poses(double omega)
+  explicit Poses(const Number& omega)
       : translation{wave(0.1, omega, 0), wave(0.1, omega, 1), wave(0.1, omega, 2, 1)},
         rotation{wave(0.1, omega, 0.5), wave(0.1, omega, 1.5), wave(0.1, omega, 2.5)} {}
 };
@@ -67,7 +67,7 @@ Scene hexapod(const Values& values) {
                                {poses.translation.begin(), poses.translation.end()},
                                {poses.rotation.begin(), poses.rotation.end()}});
   }
-  return builder.time(0, values["steps"] * values["step"], values["step"]).build();
+  return builder.time(0, values.plain("steps") * values.plain("step"), values.plain("step")).build();
 }
 
 }  // namespace assur::samples

@@ -6,7 +6,7 @@
 namespace assur::samples {
 namespace {
 
-Triple values_of(const Number& x, const Number& y) { return values({x, y, 0}); }
+Triple values_of(const Number& x, const Number& y) { return {x, y, 0}; }
 
 }  // namespace
 
@@ -16,7 +16,7 @@ Triple values_of(const Number& x, const Number& y) { return values({x, y, 0}); }
 // explained.
 Scene jansen(const Values& values) {
   const int pairs = values.count("legs") / 2;
-  const auto length = [&](char letter) { return Number(values[std::string("L") + letter]); };
+  const auto length = [&](char letter) { return values[std::string("L") + letter]; };
   const Number a = length('a'), b = length('b'), c = length('c'), d = length('d'), e = length('e'), f = length('f'),
                g = length('g'), h = length('h'), i = length('i'), j = length('j'), k = length('k'), l = length('l'),
                m = length('m');
@@ -29,7 +29,7 @@ Scene jansen(const Values& values) {
       .fixed_point("PR", values_of(a, -l))
       .fixed_point("PL", values_of(-a, -l))
       .point("X", values_of(m, 0));
-  builder.constrain("crank", Distance{"O", "X", m.value()});
+  builder.constrain("crank", Distance{"O", "X", m});
   builder.drive("motor", PointAngle{"O", "X", "", Law::polynomial({0, values["omega"]})});
   Body shaft{"shaft", "", {}, {"O", "X"}, {}, {}};
   for (int pair = 1; pair <= pairs; ++pair) {
@@ -46,7 +46,7 @@ Scene jansen(const Values& values) {
       };
       const Triple pivot = values_of(right ? a : -a, -l), upper = values_of(upper_x, right ? -upper_y : upper_y);
       const Triple top = joint(pin, j, pivot, b), knee = joint(pivot, c, pin, k), u = unit(top - pivot);
-      const Triple D = pivot + upper[0] * u + upper[1] * values_of(-Number(u[1]), u[0]);
+      const Triple D = pivot + upper[0] * u + upper[1] * values_of(-u[1], u[0]);
       const Triple shin = joint(D, f, knee, g);
       const std::string T = named("T"), K = named("K"), S = named("S"), D_name = named("D");
       builder.point(T, top).point(K, knee).point(S, shin);
@@ -54,7 +54,7 @@ Scene jansen(const Values& values) {
       builder.add(
           Body{named("lower"), "", {}, {K, S}, {{named("foot"), values_of(lower_x, right ? -lower_y : lower_y)}}, {}});
       const auto rod = [&](const char* name, const std::string& P, const std::string& Q, const Number& length_of) {
-        builder.constrain(named(name), Distance{P, Q, length_of.value()});
+        builder.constrain(named(name), Distance{P, Q, length_of});
       };
       rod("j", pin_name, T, j);
       rod("b", pivot_name, T, b);

@@ -47,7 +47,7 @@ void add_ring(SceneBuilder& builder, const Ring& ring, const std::string& name, 
 // each with three nonzeros in a row on average. Terminal: points T0.., even anchors driven on a circle of radius 0.03
 // that starts at the drawing. Leg k: points Lk_0.., even anchors carried along by T0.
 Scene rings(const Values& values) {
-  const double radius = 0.03, omega = values["omega"], quarter = std::numbers::pi / 2;
+  const double radius = 0.03, quarter = std::numbers::pi / 2;
   const Ring terminal(values.count("terminal") / 2), leg(values.count("n") / 2);
   SceneBuilder builder("rings", 2);
 
@@ -55,8 +55,8 @@ Scene rings(const Values& values) {
     const std::string anchor = number("TA", static_cast<int>(i));
     const auto [x, y, z] = terminal.anchor[i];
     builder.point(anchor, terminal.anchor[i])
-        .drive(anchor + "x", DrivenCoordinate{anchor + ".x", wave(radius, omega, quarter, x - radius)})
-        .drive(anchor + "y", DrivenCoordinate{anchor + ".y", wave(radius, omega, 0, y)});
+        .drive(anchor + "x", DrivenCoordinate{anchor + ".x", wave(radius, values["omega"], quarter, x - radius)})
+        .drive(anchor + "y", DrivenCoordinate{anchor + ".y", wave(radius, values["omega"], 0, y)});
   }
   add_ring(builder, terminal, "T", "SG_T");
 
@@ -69,7 +69,7 @@ Scene rings(const Values& values) {
     builder.add(std::move(carrier));
     add_ring(builder, leg, name, number("SG_L", k));
   }
-  return builder.time(0, values["steps"] * values["step"], values["step"]).build();
+  return builder.time(0, values.plain("steps") * values.plain("step"), values.plain("step")).build();
 }
 
 }  // namespace assur::samples

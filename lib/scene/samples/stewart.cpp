@@ -78,7 +78,7 @@ void add_leg(SceneBuilder& builder, const LegShape& shape, const LegPosture& at,
 }
 
 // Adds one platform, whose names end in `suffix` and whose motion leads by `phase`.
-void add_platform(SceneBuilder& builder, const std::vector<LegShape>& legs, double omega, double phase,
+void add_platform(SceneBuilder& builder, const std::vector<LegShape>& legs, const Number& omega, double phase,
                   const std::string& suffix) {
   const auto named = [&suffix](const char* name) { return name + suffix; };
   Pose pose{named("terminal"),
@@ -114,7 +114,7 @@ Scene stewart(const Values& values) {
     add_platform(builder, legs, values["omega"], kTurn * i / platforms,
                  platforms == 1 ? "" : "_" + std::to_string(i + 1));
   }
-  return builder.time(0, values["steps"] * values["step"], values["step"]).build();
+  return builder.time(0, values.plain("steps") * values.plain("step"), values.plain("step")).build();
 }
 
 }  // namespace assur::samples

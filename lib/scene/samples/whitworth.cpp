@@ -11,9 +11,10 @@ namespace assur::samples {
 // closer the pivot is to 0.1, the closer B comes to Q, where the link's direction is undetermined. If the hinge is
 // stated (link . axis = 0), the link has one redundant equation.
 Scene whitworth(const Values& values) {
-  const double crank = 0.1, pivot = values["pivot"];
+  const double crank = 0.1;
+  const Number pivot = values["pivot"];
   const Axes tilted = euler_zyx(0.3, 0.4, 0.5);
-  const double side = Number(pivot) > crank ? -1 : 1;  // side of Q on which B starts
+  const double side = pivot > crank ? -1 : 1;  // side of Q on which B starts
 
   SceneBuilder builder("whitworth", 3);
   builder.fixed_point("O", {0, 0, 0})
@@ -28,7 +29,7 @@ Scene whitworth(const Values& values) {
       .drive("motor", PointAngle{"O", "B", "axis", Law::polynomial({0, values["omega"]})})
       .measure("link_angle", AngleBetween{"x", "link", "axis"})
       .measure("displacement", MeasuredCoordinate{"slide.lambda"})
-      .time(0, values["steps"] * values["step"], values["step"])
+      .time(0, values.plain("steps") * values.plain("step"), values.plain("step"))
       .build();
 }
 
