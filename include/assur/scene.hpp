@@ -614,6 +614,11 @@ void write_scene(const Scene& scene, const std::filesystem::path& file);
 // environment if the sample needs more memory than is free.
 [[nodiscard]] Scene sample(std::string_view text, const Parameters& set = {});
 
+// A scene that a function of the program builds from the values of parameters. They can be set (Scene::with_values) and
+// vary in tables (Ensemble), for whose members `make` is not called if it computes in Number what follows from them.
+// Several threads may call it at once. Throws what it throws.
+[[nodiscard]] Scene parametric_scene(const Parameters& defaults, std::function<Scene(const Parameters&)> make);
+
 // True if the text up to the first ':' is the name of a sample.
 [[nodiscard]] bool is_sample(std::string_view text);
 

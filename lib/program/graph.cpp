@@ -167,14 +167,11 @@ std::uint32_t Graph::node_of(const Value& value) {
 Phase Graph::phase() const {
   Phase out;
   std::vector<std::uint32_t> place(nodes_.size(), UINT32_MAX);
-  const auto write = [&](const auto& self, std::uint32_t id) -> void {
-    if (place[id] != UINT32_MAX) return;
+  std::vector<std::uint32_t> open;
+  const auto write = [&](std::uint32_t id) {
     const Node& n = nodes_[id];
     Instruction to{n.op, {}, n.slot};
-    for (std::size_t k = 0; k < static_cast<std::size_t>(operands_of(n.op)); ++k) {
-      self(self, n.operand[k]);
-      to.operand[k] = place[n.operand[k]];
-    }
+    for (std::size_t k = 0; k < static_cast<std::size_t>(operands_of(n.op)); ++k) to.operand[k] = place[n.operand[k]];
     if (n.op == Op::constant) {
       to.operand[0] = static_cast<std::uint32_t>(out.constants.size());
       out.constants.push_back(n.number);
@@ -182,8 +179,22 @@ Phase Graph::phase() const {
     place[id] = static_cast<std::uint32_t>(out.code.size());
     out.code.push_back(to);
   };
+  // Operands come before their node. Without recursion, because a graph may be deep.
+  const auto write_all = [&](std::uint32_t last) {
+    open = {last};
+    while (!open.empty()) {
+      const std::uint32_t id = open.back();
+      const std::size_t before = open.size();
+      for (std::size_t k = static_cast<std::size_t>(operands_of(nodes_[id].op)); k-- > 0;) {
+        if (place[nodes_[id].operand[k]] == UINT32_MAX) open.push_back(nodes_[id].operand[k]);
+      }
+      if (open.size() > before) continue;
+      open.pop_back();
+      if (place[id] == UINT32_MAX) write(id);
+    }
+  };
   for (const Phase::Store& s : stores_) {
-    write(write, s.value);
+    write_all(s.value);
     out.stores.push_back({s.to, place[s.value]});
   }
   return out;

@@ -16,6 +16,18 @@ Scene SceneSource::attach(Scene scene, SceneSource source) {
   return scene;
 }
 
+Scene parametric_scene(const Parameters& defaults, std::function<Scene(const Parameters&)> make) {
+  Scene scene = make(defaults);
+  SceneSource source;
+  for (const auto& [name, value] : defaults) source.parameters.push_back(name);
+  source.again = [defaults, make = std::move(make)](const Parameters& values) {
+    Parameters all = values;
+    all.insert(defaults.begin(), defaults.end());
+    return make(all);
+  };
+  return SceneSource::attach(std::move(scene), std::move(source));
+}
+
 const std::vector<std::string>& Scene::parameters() const {
   static const std::vector<std::string> none;
   return source_ ? source_->parameters : none;

@@ -247,8 +247,10 @@ class System {
  private:
   using Origins = std::unordered_map<Index, Number>;  // of the numbers that follow from parameters of a table
   static Number with_origin(const std::vector<double>& values, const Origins& origins, Index i) {
+    const double value = values[static_cast<std::size_t>(i)];
+    if (origins.empty()) return value;
     const auto found = origins.find(i);
-    return found != origins.end() ? found->second : Number(values[static_cast<std::size_t>(i)]);
+    return found != origins.end() ? found->second : Number(value);
   }
   static Index add(std::vector<double>& values, Origins& origins, const Number& value) {
     const auto i = static_cast<Index>(values.size());

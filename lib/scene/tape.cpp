@@ -20,7 +20,8 @@ void Tape::lose(const Number& number, std::string_view why) {
 std::uint64_t Number::record(Kind kind, const Number& a, const Number& b, const Number& c) {
   Tape* const tape = Tape::active();
   if (tape == nullptr || !(tape->has(a) || tape->has(b) || tape->has(c))) return 0;
-  return tape->number(0, tape->operation(kind, a, b, c)).origin_;
+  const std::optional<std::size_t> place = tape->operation(kind, a, b, c);
+  return place ? tape->number(0, *place).origin_ : 0;
 }
 
 void Number::note(const Number& a, const Number& b, bool is_less, bool outcome) {

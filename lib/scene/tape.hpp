@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -51,8 +52,10 @@ class Tape {
 
  private:
   friend class Number;
-  // Records an operation, of which at least one operand is on the tape. Returns the place of its result.
-  virtual std::size_t operation(Number::Kind kind, const Number& a, const Number& b, const Number& c) = 0;
+  // Records an operation, of which at least one operand is on the tape. Returns the place of its result; none: it does
+  // not depend on the parameters, e.g. a product with 0.
+  virtual std::optional<std::size_t> operation(Number::Kind kind, const Number& a, const Number& b,
+                                               const Number& c) = 0;
   // Records the outcome of a < b (else a == b). With another one the computation would have gone another way.
   virtual void comparison(const Number& a, const Number& b, bool is_less, bool outcome) = 0;
 

@@ -79,9 +79,12 @@ Number ParameterTape::formula(std::string text, std::vector<std::string> names, 
   return number(value, add({graph_.load(row(Memory::work, f.text.row)), f.depth}));
 }
 
-std::size_t ParameterTape::operation(Number::Kind kind, const Number& a, const Number& b, const Number& c) {
+std::optional<std::size_t> ParameterTape::operation(Number::Kind kind, const Number& a, const Number& b,
+                                                    const Number& c) {
   const Entry of_a = entry(a), of_b = entry(b), of_c = entry(c);
-  return add({result(kind, of_a.value, of_b.value, of_c.value), std::max({of_a.depth, of_b.depth, of_c.depth})});
+  const Value value = result(kind, of_a.value, of_b.value, of_c.value);
+  if (value.is_constant()) return {};
+  return add({value, std::max({of_a.depth, of_b.depth, of_c.depth})});
 }
 
 void ParameterTape::comparison(const Number& a, const Number& b, bool is_less, bool outcome) {

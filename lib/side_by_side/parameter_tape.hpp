@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -43,7 +44,7 @@ class ParameterTape final : public Tape {
   [[nodiscard]] ParameterProgram program(std::span<const Number> wanted);
 
  private:
-  std::size_t operation(Number::Kind kind, const Number& a, const Number& b, const Number& c) override;
+  std::optional<std::size_t> operation(Number::Kind kind, const Number& a, const Number& b, const Number& c) override;
   void comparison(const Number& a, const Number& b, bool is_less, bool outcome) override;
 
   // A value, and the number of texts on the longest way to it.

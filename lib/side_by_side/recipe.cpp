@@ -102,9 +102,23 @@ Recipe::Recipe(const Tape& tape, const System& system) {
 }
 
 Recipe::Target::Target(const Recipe& recipe, System& system) {
-  std::vector<std::variant<double*, Number*>> all;
-  each_number(system, [&](auto& x) { all.emplace_back(&x); });
-  for (const std::size_t i : recipe.numbers_) numbers_.push_back(all[i]);
+  std::vector<double*> doubles;
+  std::vector<Number*> numbers;
+  const auto keep = [&](auto& x) {
+    if constexpr (std::is_same_v<decltype(x), double&>) {
+      doubles.push_back(&x);
+    } else {
+      numbers.push_back(&x);
+    }
+  };
+  each_number(system, keep);
+  for (const std::size_t i : recipe.numbers_) {
+    if (i < doubles.size()) {
+      doubles_.push_back(doubles[i]);
+    } else {
+      numbers_.push_back(numbers[i - doubles.size()]);
+    }
+  }
   for (const Recipe::OfLaw& of : recipe.laws_) {
     Law& law = system.inputs[of.input].laws[of.law];
     laws_.push_back({&law, law.parts(), {}});
@@ -116,9 +130,8 @@ Recipe::Target::Target(const Recipe& recipe, System& system) {
 
 void Recipe::Target::set(const Replay& replay, std::size_t lane, std::size_t first) {
   std::size_t i = first;
-  for (const auto& number : numbers_) {
-    std::visit([value = replay.wanted(i++)[lane]](auto* to) { *to = value; }, number);
-  }
+  for (double* const number : doubles_) *number = replay.wanted(i++)[lane];
+  for (Number* const number : numbers_) *number = replay.wanted(i++)[lane];
   for (OfLaw& of : laws_) {
     for (Number* const number : of.numbers) *number = replay.wanted(i++)[lane];
     *of.law = Law(of.parts);

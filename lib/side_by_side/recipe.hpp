@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <variant>
 #include <vector>
 
 #include "assur/law.hpp"
@@ -41,7 +40,8 @@ class Recipe {
       std::vector<Law::Part> parts;
       std::vector<Number*> numbers;
     };
-    std::vector<std::variant<double*, Number*>> numbers_;
+    std::vector<double*> doubles_;  // constants and guesses, then the other numbers
+    std::vector<Number*> numbers_;
     std::vector<OfLaw> laws_;
   };
 

@@ -81,7 +81,7 @@ class ValueTable::Binder : public MemberBinder {
       variants[l] = nullptr;
       if (!replay_.holds(l) || !table_.has_constants(members[l])) continue;
       lanes_[l].set(replay_, l, *this);
-      if (table_.recipe_->has_drivers()) find_way(lanes_[l]);
+      if (table_.recipe_->has_drivers() && is_another_way(lanes_[l])) find_way(lanes_[l]);
       variants[l] = &lanes_[l].variant;
       if (!starts_as_written(lanes_[l])) open.push_back(l);
     }
@@ -128,6 +128,7 @@ class ValueTable::Binder : public MemberBinder {
     bool moves = false;  // the drivers do
     Way way;
     std::vector<double> begin, end;  // coordinates, of which those of inputs are set
+    std::vector<double> written;     // values of all drivers, from which it begins
   };
 
   // The systems of a lane, whose numbers are those of its member.
@@ -165,10 +166,22 @@ class ValueTable::Binder : public MemberBinder {
   [[nodiscard]] const DriversWay& way_of(const Lane& lane) const {
     return table_.recipe_->has_drivers() ? lane.way : lanes_[0].way;
   }
+  [[nodiscard]] bool is_another_way(const Lane& lane) const {
+    if (table_.recipe_->has_laws()) return true;
+    auto known = lane.way.written.begin();
+    for (const DriverInput& in : lane.system->inputs) {
+      for (const Number& value : in.written) {
+        if (known == lane.way.written.end() || !same_bits(*known++, value)) return true;
+      }
+    }
+    return false;
+  }
   void find_way(Lane& lane) const {
     const System& s = *lane.system;
     const double time = table_.first_->time.start;
     DriversWay& to = lane.way;
+    to.written.clear();
+    for (const DriverInput& in : s.inputs) to.written.insert(to.written.end(), in.written.begin(), in.written.end());
     to.end = s.guess;
     to.exists = drive(s, time, to.end.data(), nullptr, nullptr).ok();
     if (!to.exists) return;

@@ -29,6 +29,24 @@ Triple place(const Scene& scene, const std::string& point) {
   return {};
 }
 
+TEST(SceneValues, ParametersOfAFunction) {
+  const auto make = [](const Parameters& of) {
+    return SceneBuilder("f", 2)
+        .fixed_point("A", {0, 0})
+        .point("B", {of.at("crank"), of.at("rise")})
+        .constrain("crank", Distance{"A", "B", of.at("crank") * 2})
+        .build();
+  };
+  const Scene scene = parametric_scene({{"rise", 0.5}, {"crank", 1}}, make);
+  EXPECT_EQ(scene.parameters(), (std::vector<std::string>{"crank", "rise"}));
+  EXPECT_EQ(length(scene, "crank"), 2);
+  const Scene other = scene.with_values({{"crank", 3}, {"B.x", 7}});
+  EXPECT_EQ(length(other, "crank"), 6);
+  EXPECT_EQ(place(other, "B"), (Triple{7, 0.5, 0}));
+  EXPECT_EQ(length(other.with_values({{"rise", 1}}), "crank"), 6);
+  EXPECT_NE(refusal([&] { (void)scene.with_values({{"crnk", 1}}); }).find("crank"), std::string::npos);
+}
+
 TEST(SceneValues, ParametersOfAFile) {
   const Scene scene = read_scene(file("four_bar"));
   const std::vector<std::string> names = {"crank_length", "coupler_length", "rocker_length", "omega", "step", "steps"};

@@ -120,6 +120,7 @@ TEST(Tape, NotesWhatIsLost) {
   EXPECT_EQ(tape.lost(), "");
   EXPECT_EQ(std::sin(a), std::sin(2.0));
   EXPECT_NE(tape.lost(), "");
+  EXPECT_FALSE(tape.has(a * 0));  // it depends on nothing
 }
 
 // Formulas of formulas run in their order; those that nothing needs do not run.

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <functional>
 #include <map>
 #include <numbers>
 #include <random>
@@ -100,6 +101,41 @@ TEST(ValueTable, BindsParametersOfFiles) {
       expect_like_prepared(read_scene(file(name)).with_time({0, 0.2, 0.01}), Table(middle, 0.02, 21), strategy);
     }
   }
+}
+
+// What a function of the program computes in Numbers is repeated; what it computes in double is not, and is noticed.
+TEST(ValueTable, BindsParametersOfFunctions) {
+  const auto scene = [](const std::function<Number(const Number&)>& length) {
+    return parametric_scene({{"crank", 0.8}, {"reach", 2}, {"omega", 6}}, [length](const Parameters& of) {
+      const Number crank = of.at("crank"), reach = of.at("reach"), coupler = length(reach);
+      return SceneBuilder("f", 2)
+          .fixed_point("A", {0, 0})
+          .fixed_point("D", {reach, 0})
+          .point("B", {crank, 0})
+          .point("C", {0.8 * reach, 1.2})
+          .constrain("coupler", Distance{"B", "C", coupler})
+          .constrain("rocker", Distance{"D", "C", 0.65 * reach})
+          .drive("motor", PointAngle{"A", "B", "", Law::polynomial({0, of.at("omega")})})
+          .time(0, 0.2, 0.01)
+          .build();
+    });
+  };
+  const Table table({{"crank", 0.8}, {"reach", 2}, {"omega", 6}}, 0.02, 21);
+  expect_like_prepared(scene([](const Number& reach) { return sqrt(reach * reach - 0.76); }), table, "groups/lanes:8");
+  const auto in_double = [](const Number& reach) { return Number(std::sqrt(reach * reach - 0.76)); };
+  expect_like_prepared(scene(in_double), table, "groups/lanes:8", 21);
+  Ensemble one_by_one(scene(in_double), table.names, table.values, options("groups/lanes:8"));
+  (void)one_by_one.run();
+  EXPECT_NE(why_one_by_one(one_by_one).find("cannot be repeated without the scene"), std::string::npos);
+}
+
+// All lengths of 12,000 rods depend on the values.
+TEST(ValueTable, BindsLargeMechanisms) {
+  Ensemble legs(sample("jansen:legs=2000").with_outputs({"footR1"}).with_time({0, 0.01, 0.01}), {"La", "Lb"},
+                {0.38, 0.415, 0.381, 0.414}, options("groups/lanes:8"));
+  const EnsembleTrajectory motion = legs.run();
+  EXPECT_EQ(prepared_one_by_one(legs), 0u) << why_one_by_one(legs);
+  for (const Ensemble::Outcome& member : legs.outcomes()) EXPECT_TRUE(member.status.ok());
 }
 
 TEST(ValueTable, BindsOptionsOfSamples) {
