@@ -23,7 +23,7 @@ Scene parametric_scene(const Parameters& defaults, std::function<Scene(const Par
   source.again = [defaults, make = std::move(make)](const Parameters& values) {
     Parameters all = values;
     all.insert(defaults.begin(), defaults.end());
-    return make(all);
+    return parametric_scene(all, make);
   };
   return SceneSource::attach(std::move(scene), std::move(source));
 }
