@@ -177,7 +177,8 @@ void JsonReader::read_outputs(const JsonNode* section) {
   for (std::string& name : names) builder_.output(std::move(name));
 }
 
-// Members of a table have the time grid of the first one, and start with it.
+// All members of a table have the end and the step of the first one. A start that follows from the values is converted,
+// so that each member is prepared alone.
 void JsonReader::put(TimeGrid& out, const rows::Slot<TimeGrid, double>& slot, const Place& at) {
   const Number value = number(at);
   out.*slot.member = slot.member == &TimeGrid::start ? double{value} : value.value();

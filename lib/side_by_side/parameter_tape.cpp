@@ -91,13 +91,19 @@ void ParameterTape::comparison(const Number& a, const Number& b, bool is_less, b
   const Value x = entry(a).value, y = entry(b).value, none = Value::set(0), one = Value::set(1);
   const Value fails = is_less ? if_at_most(y, x, one, none) : if_at_most(abs(x - y), none, none, one);
   conditions_.push_back(outcome ? fails : one - fails);
-  conditions_.push_back(finite(x) + finite(y));
+  conditions_.push_back(finite(x));
+  conditions_.push_back(finite(y));
 }
 
 ParameterProgram ParameterTape::program(std::span<const Number> wanted) {
   ParameterProgram out{{}, parameters_, rows_, wanted.size()};
   std::vector<Value> conditions = conditions_;
   for (const Number& number : wanted) conditions.push_back(finite(entry(number).value));
+  // The same numbers are compared many times.
+  const auto id = [](const Value& v) { return v.is_constant() ? UINT32_MAX : v.id; };
+  std::sort(conditions.begin(), conditions.end(), [&](const Value& a, const Value& b) { return id(a) < id(b); });
+  const auto is_same = [&](const Value& a, const Value& b) { return id(a) == id(b) && a.number == b.number; };
+  conditions.erase(std::unique(conditions.begin(), conditions.end(), is_same), conditions.end());
   const Value off = sum_of(conditions);
   Graph last = graph_;
   for (std::size_t i = 0; i < wanted.size(); ++i) last.store(row(Memory::outputs, i), entry(wanted[i]).value);

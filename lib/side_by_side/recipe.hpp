@@ -40,7 +40,7 @@ class Recipe {
       std::vector<Law::Part> parts;
       std::vector<Number*> numbers;
     };
-    std::vector<double*> doubles_;  // constants and guesses, then the other numbers
+    std::vector<double*> doubles_;  // constants and guesses; then come numbers_
     std::vector<Number*> numbers_;
     std::vector<OfLaw> laws_;
   };

@@ -302,6 +302,20 @@ TEST(ValueTable, ScenesThatArePreparedOneByOne) {
   const Scene turned = with_law(turning(3)).with_time({0, 0.1, 0.01});
   EXPECT_EQ(why(turned, {{"coupler", 1.8}}, 0.01),
             "4 of 4 members were prepared one by one, because the scene has functions of the program");
+  // What is used as a plain double.
+  const auto with = [](const std::string& law, const std::string& start) {
+    return parse_scene(R"({"assur": 1, "dimension": 2, "parameters": {"p": 0.5}, "points": {
+        "A": {"at": [0, 0], "fixed": true}, "D": {"at": [2, 0], "fixed": true}, "B": {"at": [0.8, 0]},
+        "C": {"at": [1.6, 1.2]}},
+      "constraints": {"coupler": {"distance": ["B", "C"]}, "rocker": {"distance": ["D", "C"]}},
+      "drivers": {"motor": {"angle": ["A", "B"], "law": )" +
+                       law + R"(}}, "time": {"start": )" + start + R"(, "end": 1, "step": 0.125}})");
+  };
+  const std::string lost = "numbers of the scene depend on the values in a way that cannot be repeated";
+  EXPECT_NE(why(with(R"({"table": [[0, 0], [1, "=p"]]})", "0"), {{"p", 0.5}}, 0.1).find(lost), std::string::npos);
+  Ensemble late(with(R"({"polynomial": [0, 1]})", R"("=p")"), {"p"}, {0.5, 0.25}, options("groups/eigen:4"));
+  (void)late.run();
+  EXPECT_NE(why_one_by_one(late).find(lost), std::string::npos);
 }
 
 TEST(ValueTable, Gears) {
@@ -312,6 +326,9 @@ TEST(ValueTable, Gears) {
   Table ratios({{"gears", -2}}, 0.02, 4);
   ratios.values = {-2, -1.5, -2, -2.5};
   expect_like_prepared(scene, ratios, "irreducible/lanes:8", 4);
+  Ensemble e(scene, ratios.names, ratios.values, options("irreducible/lanes:8"));
+  (void)e.run();
+  EXPECT_EQ(prepared_one_by_one(e), 4u);
 }
 
 // Some of the members reach a fold.
