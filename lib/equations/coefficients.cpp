@@ -10,6 +10,15 @@
 
 namespace assur {
 
+bool terms_may_vanish(const GroupClass& c) {
+  const auto is_constant = [&](const GroupClass::Operand& o) { return o.reg == c.one(); };
+  const auto is_square = [](const GroupClass::Product& p) { return p.a == p.b; };
+  const auto is_periodic = [](const GroupClass::Gear& g) { return g.is_periodic; };
+  return !std::all_of(c.linear.begin(), c.linear.end(), is_constant) ||
+         !std::all_of(c.products.begin(), c.products.end(), is_square) ||
+         !std::all_of(c.gears.begin(), c.gears.end(), is_periodic);
+}
+
 void bind_coefficients(const GroupClass& c, const double* constants, double* out, std::size_t lanes) {
   with_lanes(lanes, [&](auto w) {
     for (const GroupClass::Coefficient& k : c.coefficients) {

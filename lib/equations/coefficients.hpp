@@ -14,6 +14,9 @@ namespace assur {
 }
 [[nodiscard]] inline std::int32_t one_coefficient(const GroupClass& c) { return zero_coefficient(c) + 1; }
 
+// True if all terms of an equation may vanish at once: unless each is a sum of squares and a constant, or an angle.
+[[nodiscard]] bool terms_may_vanish(const GroupClass& group_class);
+
 // Coefficients of instances side by side. constants: of the group x lanes; out: coefficients of the class x lanes
 void bind_coefficients(const GroupClass& group_class, const double* constants, double* out, std::size_t lanes);
 

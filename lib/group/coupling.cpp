@@ -60,7 +60,7 @@ void gather(const InputSources& sources, const double* numbers, std::size_t stri
 void part(const double* from, std::size_t n, std::size_t count, std::size_t stride, double* to) {
   constexpr L::D d;
   std::size_t i = 0;
-  for (; i + L::kEach <= count; i += L::kEach, from += n * L::kEach) {
+  for (; (n == 2 || n == 3) && i + L::kEach <= count; i += L::kEach, from += n * L::kEach) {
     L::V a, b, c;
     if (n == 2) {
       hn::LoadInterleaved2(d, from, a, b);
@@ -78,7 +78,7 @@ void part(const double* from, std::size_t n, std::size_t count, std::size_t stri
 void join(const double* from, std::size_t n, std::size_t count, std::size_t stride, double* to) {
   constexpr L::D d;
   std::size_t i = 0;
-  for (; i + L::kEach <= count; i += L::kEach, to += n * L::kEach) {
+  for (; (n == 2 || n == 3) && i + L::kEach <= count; i += L::kEach, to += n * L::kEach) {
     const auto a = hn::LoadU(d, from + i), b = hn::LoadU(d, from + stride + i);
     if (n == 2) {
       hn::StoreInterleaved2(a, b, d, to);
@@ -91,16 +91,16 @@ void join(const double* from, std::size_t n, std::size_t count, std::size_t stri
   }
 }
 
-void couple(const InputSources& sources, std::span<const Slopes::Entry> entries, const double* slopes,
+void couple(const InputSources& sources, std::span<const Couplings::Entry> entries, const double* couplings,
             std::size_t stride, const double* numbers, double* sums) {
   for (std::size_t l = 0; l < sources.lanes; l += kLanes) {
     L sum = L::set(0);
-    const double* slope = slopes + l;
-    for (const Slopes::Entry& e : entries) {
+    const double* coupling = couplings + l;
+    for (const Couplings::Entry& e : entries) {
       L number = L::set(0);
       take(sources, idx(e.input), l, numbers, number);
-      sum.subtract_product(L::load(slope), number);
-      slope += stride;
+      sum.add_product(L::load(coupling), number);
+      coupling += stride;
     }
     sum.store(sums + l);
   }

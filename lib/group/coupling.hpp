@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "equations/lane_array.hpp"
-#include "program/slopes.hpp"
+#include "program/together_step.hpp"
 
 namespace assur {
 
@@ -43,11 +43,11 @@ struct CouplingKernels {
   void (*copy)(std::span<const Run> runs, const double* from, double* to);
   // to[input stride + lane]; lanes whose input is not computed stay as they are
   void (*gather)(const InputSources& sources, const double* numbers, std::size_t stride, double* to);
-  // to[j stride + i] = from[n i + j], and back; n: 2 or 3
+  // to[j stride + i] = from[n i + j], and back
   void (*part)(const double* from, std::size_t n, std::size_t count, std::size_t stride, double* to);
   void (*join)(const double* from, std::size_t n, std::size_t count, std::size_t stride, double* to);
-  // sums = -sum over the entries of slope times the number of its source; slopes: entries x stride
-  void (*couple)(const InputSources& sources, std::span<const Slopes::Entry> entries, const double* slopes,
+  // sums = sum over the entries of coupling times the number of its source; couplings: entries x stride
+  void (*couple)(const InputSources& sources, std::span<const Couplings::Entry> entries, const double* couplings,
                  std::size_t stride, const double* numbers, double* sums);
   // to = own + sum_k columns[k] load_k, for n numbers of each group; loads: rows
   void (*complete)(const double* own, const double* const* columns, const double* loads, std::size_t n,

@@ -83,6 +83,12 @@ class GroupSolver {
                                     const BlockConditions::Norms* known = nullptr);
   // Relative residual of a solved pack, as exactly as it can be measured.
   [[nodiscard]] double residual_of(const Pack& pack, const double* state) { return step_.residual_of(pack, state); }
+  // The nonzeros of the Jacobian of a pack x W, until the next call.
+  [[nodiscard]] const LaneArray& jacobian(const Pack& pack, const double* state) {
+    work_.set_inputs(pack, state);
+    work_.evaluate(state + pack.unknowns);
+    return work_.jacobian;
+  }
 
   // ErrorProbe at a solved posture.
   [[nodiscard]] bool perturb(Pack& pack, const double* const (&state)[3], Probes probes, const Unseen& unseen,

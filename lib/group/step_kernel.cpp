@@ -58,15 +58,14 @@ class AnchorSource : public StepSource<W> {
   double time_;
 };
 
-template <int W, int N, class Equations>
+template <int W, int N>
 class StepKernel final : public SmallStep {
   using L = Lanes<W>;
-  using Group = SmallGroup<L, N, Equations>;
+  using Group = SmallGroup<L, N>;
 
  public:
-  template <class... Arguments>
-  explicit StepKernel(std::span<const std::int32_t> reads, const GroupClass& group_class, const Arguments&... arguments)
-      : derivatives_(group_class.derivatives), reads_(reads), group_(group_class, arguments...) {}
+  StepKernel(const GroupClass& group_class, std::span<const std::int32_t> reads)
+      : derivatives_(group_class.derivatives), reads_(reads), group_(group_class) {}
 
   bool run(const Pack& pack, double* const (&state)[3], int most_iterations, double converged,
            SmallStepFigures& figures) override {
@@ -121,17 +120,10 @@ class StepKernel final : public SmallStep {
   alignas(kLineBytes) double figures_[kGroupFigures * W] = {};
 };
 
-template <int W, int N>
-SmallStep* of_size(const GroupClass& group_class, std::span<const std::int32_t> reads) {
-  const auto make = [&]<class E>(std::type_identity<E>, const auto&... arguments) -> SmallStep* {
-    return new StepKernel<W, N, E>(reads, arguments...);
-  };
-  return with_equations<Lanes<W>, N>(group_class, make);
-}
-
 template <int W>
 SmallStep* of_lanes(const GroupClass& group_class, std::span<const std::int32_t> reads) {
-  return group_class.n == 2 ? of_size<W, 2>(group_class, reads) : of_size<W, 3>(group_class, reads);
+  if (group_class.n == 2) return new StepKernel<W, 2>(group_class, reads);
+  return new StepKernel<W, 3>(group_class, reads);
 }
 
 #if (HWY_TARGET == HWY_SCALAR || HWY_TARGET == HWY_EMU128) && !defined(HWY_COMPILE_ONLY_SCALAR)

@@ -155,7 +155,10 @@ void Continuation::start(double time, const std::vector<double>& posture, const 
                      : branches_cross()       ? start_beside(system_, now_)
                                               : "; the Jacobian is singular there, start elsewhere on the path"));
   }
-  if (together_) together_->reserve(state_.at(0));
+  if (together_) {
+    double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
+    together_->start(q);
+  }
   mechanism_.begin({state_.at(0), state_.at(1), state_.at(2)});
   turn_guessed_ = false;
   accept(now_, errors);

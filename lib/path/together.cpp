@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "equations/separable.hpp"
+#include "backends/lanes_factors.hpp"
 #include "index.hpp"
 #include "program/step_rules.hpp"
 
@@ -60,6 +60,7 @@ void Together::make_classes() {
     }
     c.groups.push_back(static_cast<std::int32_t>(g));
   }
+  std::vector<Couplings> couplings = couplings_of(structure_);
   std::size_t unknowns = kTogetherLanes, loads = 0;  // see InputSources
   for (std::size_t k = 0; k < classes_.size(); ++k) {
     Class& c = classes_[k];
@@ -68,17 +69,12 @@ void Together::make_classes() {
     c.derivatives = of.derivatives;
     derivatives_ = std::max(derivatives_, c.derivatives);
     c.places = up(c.groups.size(), kTogetherLanes) * kTogetherLanes;
-    std::vector<std::uint8_t> computed(idx(of.inputs), 0);
-    for (std::int32_t i = 0; i < of.inputs; ++i) {
-      for (std::size_t place = 0; place < c.groups.size(); ++place) {
-        if (source(c, place, i).of_class >= 0) computed[idx(i)] = 1;
-      }
-    }
-    c.slopes = slopes_of(of, *separate(of), computed);
+    c.couplings = std::move(couplings[k]);
+    c.has_pivots = of.n <= kWithoutPivots;
     c.unknowns = unknowns;
     c.loads = loads;
     unknowns += idx(of.n) * c.places;
-    loads += idx(c.slopes.rows()) * c.places;
+    loads += idx(c.couplings.rows()) * c.places;
 
     const Pack& single = pack(c, 0);
     c.coefficients.resize(single.coefficients.size() * c.places);
@@ -102,14 +98,16 @@ void Together::make_classes() {
     }
     c.work.resize(work_of_together_step(of) * c.places);
     c.figures.resize(kGroupFigures * c.places);
-    c.of_slopes.resize(c.slopes.entries.size() * c.places);
+    c.of_couplings.resize(c.couplings.entries.size() * c.places);
     for (LaneArray* const inputs : {&c.inputs[0], &c.inputs[1], &c.inputs[2], &c.known_rates, &c.sources}) {
       inputs->resize(idx(of.inputs) * c.places);
     }
   }
-  for (LaneArray* const all :
-       {&own_, &change_, &columns_[0], &columns_[1], &columns_[2], &unknowns_[0], &unknowns_[1], &unknowns_[2]}) {
+  for (LaneArray* const all : {&own_, &change_, &unknowns_[0], &unknowns_[1], &unknowns_[2]}) {
     all->resize(unknowns + kTogetherLanes);
+  }
+  for (const Class& c : classes_) {
+    for (std::size_t k = 0; k < idx(c.couplings.rows()); ++k) columns_[k].resize(own_.size());
   }
   loads_.resize(loads);
 }
@@ -131,7 +129,7 @@ std::int32_t Together::address(const Source& source) const {
 
 // Entries of a row that read the same group everywhere become one part. Their gains follow.
 void Together::sort_entries(Class& c) {
-  std::vector<Slopes::Entry>& entries = c.slopes.entries;
+  std::vector<Couplings::Entry>& entries = c.couplings.entries;
   std::vector<std::vector<Source>> of_parts;  // of the current row: the source of each group
   for (std::size_t e = 0; e < entries.size(); ++e) {
     if (e == 0 || entries[e].row != entries[e - 1].row) of_parts.clear();
@@ -154,7 +152,7 @@ void Together::sort_entries(Class& c) {
       }
     }
   }
-  const auto part_of = [](const Slopes::Entry& e) { return std::pair(e.row, e.part); };
+  const auto part_of = [](const Couplings::Entry& e) { return std::pair(e.row, e.part); };
   std::stable_sort(entries.begin(), entries.end(),
                    [&](const auto& a, const auto& b) { return part_of(a) < part_of(b); });
   for (std::size_t begin = 0, end = 0; begin < entries.size(); begin = end) {
@@ -162,7 +160,7 @@ void Together::sort_entries(Class& c) {
     for (; end < entries.size() && part_of(entries[end]) == part_of(entries[begin]); ++end) {
       for (std::size_t place = 0; place < c.groups.size(); ++place) {
         if (const Source s = source(c, place, entries[end].input); s.of_class >= 0) {
-          columns = std::max(columns, classes_[idx(s.of_class)].slopes.rows());
+          columns = std::max(columns, classes_[idx(s.of_class)].couplings.rows());
         }
       }
     }
@@ -193,13 +191,12 @@ void Together::divide() {
 }
 
 TogetherClass Together::outline(const Class& c) const {
-  return {c.solver->group_class(), c.solver->blocks().reads(0), c.slopes};
+  return {c.solver->group_class(), c.solver->blocks().reads(0), c.couplings, c.elimination};
 }
 
 void Together::fill(Class& c, Share& share) {
   if (share.lanes == 0) return;
   find_sources(c, share);
-  share.step = make_together_step(outline(c), {c.places, static_cast<int>(share.lanes)});
   const auto put = [&](std::size_t memory, LaneArray& numbers, std::size_t begin = 0) {
     share.memory[memory] = at(numbers, begin + share.first);
   };
@@ -216,7 +213,7 @@ void Together::fill(Class& c, Share& share) {
   put(of(Memory::ball_used), c.balls_used);
   put(of(Memory::work), c.work);
   put(of(Memory::figures), c.figures);
-  put(of(Memory::slopes), c.of_slopes);
+  put(of(Memory::couplings), c.of_couplings);
   put(of(Memory::sources), c.sources);
   put(of(Memory::loads), loads_, c.loads);
   put(of(Memory::own), own_, c.unknowns);
@@ -224,7 +221,7 @@ void Together::fill(Class& c, Share& share) {
   put(of(Memory::unknowns), unknowns_[0], c.unknowns);
   put(of(Memory::rates), unknowns_[1], c.unknowns);
   put(of(Memory::accelerations), unknowns_[2], c.unknowns);
-  for (std::size_t k = 0; k < kMostCoupledRows; ++k) put(kColumns + k, columns_[k], c.unknowns);
+  for (std::size_t k = 0; k < idx(c.couplings.rows()); ++k) put(kColumns + k, columns_[k], c.unknowns);
   share.memory[of(Memory::settings)] = settings_.data();
 }
 
@@ -256,13 +253,51 @@ void Together::find_sources(const Class& c, Share& share) const {
   share.sources = InputSources(std::move(computed), share.lanes);
 }
 
-void Together::use(StepCode& code) {
+void Together::start(double* const (&state)[3]) {
   for (Class& c : classes_) {
-    for (Share& share : c.shares) {
-      if (share.lanes == 0) continue;
-      auto coded = make_coded_together_step(outline(c), {c.places, static_cast<int>(share.lanes)}, code);
-      c.is_coded = coded != nullptr;
-      if (coded) share.step = std::move(coded);
+    if (c.solver->group_class().n > kWithoutPivots) choose_pivots(c, state[0]);
+    if (c.has_pivots && !c.has_passes) make_passes(c);
+  }
+  take(state[0]);
+  forget();
+}
+
+// Those that serve the first groups of the class, as many as can be compared.
+void Together::choose_pivots(Class& c, const double* state) {
+  constexpr std::size_t kMost = 32;  // see markowitz_order()
+  const std::size_t groups = std::min(c.groups.size(), kMost);
+  const Pattern& pattern = c.solver->group_class().pattern;
+  std::vector<double> jacobians(idx(pattern.nnz()) * groups);
+  for (std::size_t place = 0; place < groups; ++place) {
+    const LaneArray& of = c.solver->jacobian(pack(c, place), state);
+    for (std::size_t k = 0; k < of.size(); ++k) jacobians[k * groups + place] = of[k];
+  }
+  const auto all = static_cast<std::uint32_t>((std::uint64_t{1} << groups) - 1);
+  c.has_pivots = false;
+  for (const lanes::PivotRule& rule : lanes::kRules) {
+    const lanes::Order order = lanes::markowitz_order(pattern, jacobians, static_cast<int>(groups), all, rule);
+    if (!order.complete(pattern.n) || order.served != all) continue;
+    lanes::Elimination elimination = lanes::write_program(pattern, order);
+    c.has_pivots = true;
+    if (elimination == c.elimination) return;
+    c.elimination = std::move(elimination);
+    c.has_passes = false;
+    return;
+  }
+}
+
+void Together::make_passes(Class& c) {
+  c.has_passes = true;
+  c.is_coded = code_ != nullptr;
+  for (Share& share : c.shares) {
+    const TogetherShape shape{c.places, static_cast<int>(share.lanes)};
+    for (std::size_t k = 0; k < kTogetherPasses && share.lanes > 0; ++k) {
+      const auto pass = static_cast<TogetherPass>(k);
+      const StepProgram program = together_program(pass, outline(c), shape);
+      share.passes[k] = code_ != nullptr ? code_->of(program, shape.lanes_of(pass)) : nullptr;
+      if (share.passes[k] != nullptr) continue;
+      share.passes[k] = make_interpreter(program, shape.lanes_of(pass));
+      c.is_coded = false;
     }
   }
 }
@@ -278,16 +313,16 @@ void Together::make_rows() {
   for (const Group& group : structure_.groups) {
     const Class& c = classes_[idx(group.group_class)];
     const std::size_t place = next[idx(group.group_class)]++;
-    for (std::int32_t k = 0; k < c.slopes.rows(); ++k) {
+    for (std::int32_t k = 0; k < c.couplings.rows(); ++k) {
       Row row{static_cast<std::int32_t>(c.loads + idx(k) * c.places + place), static_cast<std::int32_t>(links_.size()),
               0};
       for (std::size_t j = 0; j < c.gains.size(); ++j) {
         if (c.gains[j].row != k) continue;
         Source from;
         for (std::int32_t e = c.gains[j].begin; e < c.gains[j].end && from.of_class < 0; ++e) {
-          from = source(c, place, c.slopes.entries[idx(e)].input);
+          from = source(c, place, c.couplings.entries[idx(e)].input);
         }
-        if (from.of_class < 0 || c.gains[j].of >= classes_[idx(from.of_class)].slopes.rows()) continue;
+        if (from.of_class < 0 || c.gains[j].of >= classes_[idx(from.of_class)].couplings.rows()) continue;
         const Class& other = classes_[idx(from.of_class)];
         links_.push_back(
             {static_cast<std::int32_t>(c.first_gain + j * c.places + place),
@@ -298,7 +333,7 @@ void Together::make_rows() {
     }
   }
   for (const Class& c : classes_) {
-    for (std::int32_t k = 0; k < c.slopes.rows(); ++k) {
+    for (std::int32_t k = 0; k < c.couplings.rows(); ++k) {
       const std::size_t row = c.loads + idx(k) * c.places;
       for (std::size_t place = c.groups.size(); place < c.places; ++place) {
         idle_.push_back({static_cast<std::int32_t>(row + place), static_cast<std::int32_t>(row)});
@@ -325,6 +360,9 @@ void Together::add_row(const Row& row) {
 // ---- one step
 
 bool Together::solve(double* const (&state)[3], const Attempt& attempt, Counters& counters, StepErrors& errors) {
+  for (const Class& c : classes_) {
+    if (!c.has_pivots) return false;
+  }
   if (!up_to_date_) take(state[0]);
   int corrections = 0;
   if (!converge(state, attempt, corrections)) return false;
@@ -399,7 +437,7 @@ bool Together::converge(double* const (&state)[3], const Attempt& attempt, int& 
   pass([&](Class& c, Share& share) { read(c, share, state); },
        [&](Class& c, Share& share) {
          kernels_.gather(share.sources, unknowns_[0].data(), c.places, at(c.inputs[0], share.first));
-         share.step->run(TogetherPass::begin, share.memory);
+         share.run(TogetherPass::begin);
        });
   while (largest(GroupFigure::failed) <= 0) {
     if (largest(kOpen) <= 0) return true;
@@ -416,10 +454,10 @@ bool Together::converge(double* const (&state)[3], const Attempt& attempt, int& 
         [&](Class& c, Share& share) {
           if (corrections == 1) {
             kernels_.gather(share.sources, change_.data(), c.places, at(c.sources, share.first));
-            share.step->run(TogetherPass::approach, share.memory);
+            share.run(TogetherPass::approach);
           }
           kernels_.gather(share.sources, unknowns_[0].data(), c.places, at(c.inputs[0], share.first));
-          share.step->run(TogetherPass::linearise, share.memory);
+          share.run(TogetherPass::linearise);
         });
   }
   return false;
@@ -431,7 +469,7 @@ void Together::derive() {
         [&](Class& c, Share& share) {
           if (c.derivatives < 1) return;
           share.memory[static_cast<std::size_t>(Memory::input_rates)] = at(c.known_rates, share.first);
-          share.step->run(TogetherPass::rates, share.memory);
+          share.run(TogetherPass::rates);
         },
         [&](Class& c, Share& share) {
           if (c.derivatives > 0) couple(c, share, own_, true);
@@ -445,7 +483,7 @@ void Together::derive() {
           if (c.derivatives < 1) return;
           kernels_.gather(share.sources, unknowns_[1].data(), c.places, at(c.inputs[1], share.first));
           share.memory[static_cast<std::size_t>(Memory::input_rates)] = at(c.inputs[1], share.first);
-          share.step->run(TogetherPass::accelerations, share.memory);
+          share.run(TogetherPass::accelerations);
         });
   }
   if (derivatives_ > 1) {
@@ -461,17 +499,17 @@ void Together::derive() {
           if (c.derivatives > 1) couple(c, share, unknowns_[2], false);
         });
   }
-  pass([&](Class&, Share& share) { share.step->run(TogetherPass::finish, share.memory); });
+  pass([&](Class&, Share& share) { share.run(TogetherPass::finish); });
 }
 
 // Computes the loads of given changes of other groups, and the gains.
 void Together::couple(const Class& c, const Share& share, const LaneArray& changes, bool with_gains) {
   const auto sum = [&](std::int32_t begin, std::int32_t end, const LaneArray& numbers, double* to) {
-    kernels_.couple(share.sources, std::span(c.slopes.entries).subspan(idx(begin), idx(end - begin)),
-                    c.of_slopes.data() + idx(begin) * c.places + share.first, c.places, numbers.data(),
+    kernels_.couple(share.sources, std::span(c.couplings.entries).subspan(idx(begin), idx(end - begin)),
+                    c.of_couplings.data() + idx(begin) * c.places + share.first, c.places, numbers.data(),
                     to + share.first);
   };
-  const std::vector<Slopes::Entry>& entries = c.slopes.entries;
+  const std::vector<Couplings::Entry>& entries = c.couplings.entries;
   for (std::int32_t begin = 0, end = 0; begin < std::ssize(entries); begin = end) {
     const std::int32_t row = entries[idx(begin)].row;
     while (end < std::ssize(entries) && entries[idx(end)].row == row) ++end;
@@ -489,9 +527,9 @@ void Together::couple(const Class& c, const Share& share, const LaneArray& chang
 void Together::complete(const Class& c, const Share& share, LaneArray& to) {
   const std::size_t first = c.unknowns + share.first;
   const double* columns[kMostCoupledRows];
-  for (std::size_t k = 0; k < kMostCoupledRows; ++k) columns[k] = columns_[k].data() + first;
+  for (std::size_t k = 0; k < idx(c.couplings.rows()); ++k) columns[k] = columns_[k].data() + first;
   kernels_.complete(own_.data() + first, columns, at(loads_, c.loads + share.first), idx(c.solver->group_class().n),
-                    idx(c.slopes.rows()), c.places, share.lanes, to.data() + first);
+                    idx(c.couplings.rows()), c.places, share.lanes, to.data() + first);
 }
 
 // The recurrence through the levels.
@@ -572,7 +610,7 @@ void Together::renew_anchors(Class& c, std::size_t eight) {
     for (double*& at : memory) {
       if (at != nullptr && at != settings_.data()) at += eight - share.first;
     }
-    share.step->run(TogetherPass::anchors, memory);
+    share.passes[static_cast<std::size_t>(TogetherPass::anchors)]->run(memory);
   }
 }
 
@@ -586,7 +624,7 @@ void Together::count(int corrections, Counters& counters) const {
   for (const Class& c : classes_) {
     const auto groups = static_cast<std::int64_t>(c.groups.size());
     const std::int64_t unknowns = groups * c.solver->group_class().n;
-    const std::int64_t right_sides = corrections + c.derivatives + (corrections + 1) * c.slopes.rows();
+    const std::int64_t right_sides = corrections + c.derivatives + (corrections + 1) * c.couplings.rows();
     counters.group_solutions += groups;
     counters.newton_iterations += groups * corrections;
     counters.evaluated_equations += unknowns * (corrections + 1);

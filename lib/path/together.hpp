@@ -1,7 +1,8 @@
 // The strategy +together: one step of the groups of all levels at once. The groups are linearised at the prediction and
 // factorised side by side, whatever their levels, and only a linear recurrence over their couplings runs through the
 // levels (program/together_step.hpp). This is Newton's method for the whole block triangular system. The tests of a
-// step are those of single groups: residuals, the first correction and the ball of every group, and its anchor.
+// step are those of single groups: residuals, the first correction and the ball of every group, and its anchor. The
+// pivots of larger groups are those that serve the groups of their class at the start posture.
 #pragma once
 
 #include <array>
@@ -12,12 +13,14 @@
 
 #include "assur/plan.hpp"
 #include "assur/report.hpp"
+#include "backends/lanes_elimination.hpp"
+#include "execute/step_code.hpp"
 #include "group/attempt.hpp"
 #include "group/coupling.hpp"
-#include "group/together_step.hpp"
 #include "parallel/team.hpp"
 #include "path/layout.hpp"
 #include "program/group_step.hpp"
+#include "program/together_step.hpp"
 
 namespace assur {
 
@@ -30,23 +33,21 @@ class Together {
   // The most threads that have work.
   [[nodiscard]] static std::size_t shares(const Structure& structure);
 
-  // Takes the passes by machine code, if there is some for them, with the same bits.
-  void use(StepCode& code);
+  // Takes machine code for the passes, if there is some, with the same bits.
+  void use(StepCode& code) { code_ = &code; }
+  // To be called when the packs of the layout have solved a start posture: chooses pivots, makes the passes, and takes
+  // the memory that solve() needs.
+  void start(double* const (&state)[3]);
   [[nodiscard]] std::size_t coded_groups() const;
 
-  // Makes an attempt inside the branch, like Levels::solve(). False: something is unusual; the state then holds the
-  // prediction again, and the packs of the layout are unchanged.
+  // Makes an attempt inside the branch, like Levels::solve(). False: something is unusual, or no pivots serve; the
+  // state then holds the prediction again, and the packs of the layout are unchanged.
   [[nodiscard]] bool solve(double* const (&state)[3], const Attempt& attempt, Counters& counters, StepErrors& errors);
 
   // Restores the balls used (Pack::ball_used) to their state before an attempt, as Pack::undo() does for single packs.
   void undo(std::int64_t attempt);
   // To be called when the packs of the layout were changed by others.
   void forget() { up_to_date_ = false; }
-  // After the start posture was solved: takes the memory that solve() needs.
-  void reserve(const double* state) {
-    take(state);
-    forget();
-  }
 
  private:
   // A load of a group and the loads that it depends on.
@@ -76,8 +77,10 @@ class Together {
     std::size_t first = 0, lanes = 0;  // places
     std::vector<Run> known;            // from the state to inputs that move, and that no group computes
     InputSources sources;              // in arrays of unknowns
-    std::unique_ptr<TogetherStep> step;
+    std::array<std::shared_ptr<const Executor>, kTogetherPasses> passes;
     std::array<double*, kMemories> memory{};
+
+    void run(TogetherPass pass) { passes[static_cast<std::size_t>(pass)]->run(memory); }
   };
   // Numbers of groups by [number][place]; idle places repeat the first group.
   struct Class {
@@ -86,10 +89,12 @@ class Together {
     std::vector<std::int32_t> groups;         // in solving order
     std::size_t places;                       // with idle ones
     std::size_t unknowns, loads, first_gain;  // where those of the class begin
-    Slopes slopes;
-    bool is_coded = false;
+    Couplings couplings;
+    lanes::Elimination elimination;  // of more than kWithoutPivots unknowns
+    bool has_pivots = false, has_passes = false, is_coded = false;
     std::vector<Gain> gains;
-    LaneArray coefficients, lipschitz, anchor, anchor_rates, anchor_time, omega, balls_used, work, figures, of_slopes;
+    LaneArray coefficients, lipschitz, anchor, anchor_rates, anchor_time, omega, balls_used, work, figures,
+        of_couplings;
     std::array<LaneArray, 3> inputs;  // [d]: d-th derivatives
     LaneArray known_rates;            // input rates without those that groups compute
     LaneArray sources;                // changes of inputs
@@ -102,6 +107,8 @@ class Together {
   void divide();
   [[nodiscard]] TogetherClass outline(const Class& c) const;
   void fill(Class& c, Share& share);
+  void choose_pivots(Class& c, const double* state);
+  void make_passes(Class& c);
   void find_sources(const Class& c, Share& share) const;
   void make_rows();
   void add_row(const Row& row);
@@ -133,6 +140,7 @@ class Together {
   Layout& layout_;
   std::vector<std::int32_t> pack_of_;  // group -> pack of the layout
   Team* team_;
+  StepCode* code_ = nullptr;
   std::size_t threads_;
   const CouplingKernels& kernels_;
   std::vector<Source> sources_;  // source of each coordinate

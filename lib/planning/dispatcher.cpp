@@ -281,11 +281,13 @@ Plan::Choice choice_together(std::int32_t group_class, const Shape& shape, const
   return best;
 }
 
-// The groups of all levels at once, if they are small enough.
+// The groups of all levels at once, if they are small.
 std::optional<Plan> together_plan(const Structure& s, const std::vector<Shape>& shapes, const Around& around,
                                   const Scales& scales) {
   const bool left_out = std::find(scales.without.begin(), scales.without.end(), kLanes.id) != scales.without.end();
-  if (left_out || !why_not_together(s).empty()) return std::nullopt;
+  const auto is_large = [](const Shape& shape) { return shape.n > kMostChosenTogether; };
+  if (left_out || std::any_of(shapes.begin(), shapes.end(), is_large) || !why_not_together(s).empty())
+    return std::nullopt;
   Plan plan;
   plan.run.together = true;
   plan.lanes = kThroughputLanes;

@@ -1,32 +1,30 @@
 #include "planning/together_rules.hpp"
 
-#include <hwy/targets.h>
+#include <algorithm>
 
+#include "backends/lanes_order.hpp"
 #include "backends/small_steps.hpp"
-#include "equations/coefficients.hpp"
-#include "equations/separable.hpp"
+#include "index.hpp"
 #include "program/needs.hpp"
+#include "program/together_step.hpp"
 
 namespace assur {
 namespace {
 
-// The steps in registers have the same conditions, see make_small_step().
-std::string why_not(const Structure& s, std::int32_t group_class) {
-  const GroupClass& c = s.classes[static_cast<std::size_t>(group_class)];
+std::string why_not(const GroupClass& c) {
   if (!can_take(Path::together, needs_of(c))) return "has an equation that is not quadratic";
-  if (c.n < 2 || c.n > 3) return "has " + std::to_string(c.n) + (c.n == 1 ? " unknown" : " unknowns");
+  if (c.n > lanes::kMostReserved) return "has " + std::to_string(c.n) + " unknowns";
   if (c.blocks != 1) return "can be divided further";
-  if (c.first_wanted != 0) return "has unknowns whose highest derivative is not needed";
-  if (!separate(c)) return "has products of different unknowns";
   return "";
+}
+std::string why_not(const Couplings& couplings) {
+  if (idx(couplings.rows()) <= kMostCoupledRows) return "";
+  return "has " + std::to_string(couplings.rows()) + " of them";
 }
 
 }  // namespace
 
 std::string why_not_together(const Strategy& strategy) {
-  if ((hwy::SupportedTargets() & HWY_TARGETS & ~(HWY_SCALAR | HWY_EMU128)) == 0) {
-    return "+together needs a processor with vector instructions that Highway supports";
-  }
   if (!has_small_steps(strategy.solver)) {
     return "+together needs the solver lanes without +float, +refine, +reuse, +once and +separate";
   }
@@ -43,17 +41,20 @@ std::string why_not_together(const Structure& structure) {
 
 std::string why_not_together(const Structure& structure, const Strategy& strategy) {
   if (std::string reason = why_not_together(strategy); !reason.empty()) return reason;
-  for (std::size_t c = 0; c < structure.classes.size(); ++c) {
-    const std::string reason = why_not(structure, static_cast<std::int32_t>(c));
-    if (reason.empty()) continue;
-    std::string name;
-    for (const Group& g : structure.groups) {
-      if (static_cast<std::size_t>(g.group_class) == c) name = g.name;
+  const auto refusal = [&](const auto& of_classes) -> std::string {
+    for (std::size_t c = 0; c < of_classes.size(); ++c) {
+      const std::string reason = why_not(of_classes[c]);
+      if (reason.empty()) continue;
+      const auto group = std::find_if(structure.groups.begin(), structure.groups.end(),
+                                      [&](const Group& g) { return idx(g.group_class) == c; });
+      return "+together needs groups of up to " + std::to_string(lanes::kMostReserved) + " unknowns, with up to " +
+             std::to_string(kMostCoupledRows) + " equations that read other groups, but group " + group->name + " " +
+             reason;
     }
-    return "+together needs groups of 2 or 3 unknowns without products of different unknowns, but group " + name + " " +
-           reason;
-  }
-  return "";
+    return "";
+  };
+  const std::string reason = refusal(structure.classes);
+  return !reason.empty() ? reason : refusal(couplings_of(structure));
 }
 
 }  // namespace assur

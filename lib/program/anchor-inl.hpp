@@ -1,4 +1,4 @@
-// New anchors of small groups: what BranchGuard does with one group after the other, for the lanes of a step. Each lane
+// New anchors: what BranchGuard does with one group after the other, for the lanes of a step. Each lane
 // for itself, in the text that writes programs as well, see SmallGroup. Included once for each target, inside its
 // HWY_NAMESPACE (see Highway, "foreach_target.h").
 #if defined(ASSUR_ANCHOR_INL) == defined(HWY_TARGET_TOGGLE)
@@ -8,7 +8,7 @@
 #define ASSUR_ANCHOR_INL
 #endif
 
-#include "program/small_inverse-inl.hpp"
+#include <hwy/highway.h>
 
 #include <cstddef>
 #include <cstdint>
@@ -24,34 +24,25 @@ namespace assur::HWY_NAMESPACE {
 
 // Makes the solved posture the anchor of the lanes that ask for one, and takes the part of the ball that the others
 // used. The figure `failed` then is 1 in lanes that left the ball, or whose posture is too close to a singular one:
-// they keep their anchors. Io: see TogetherGroup
-template <class L, int N, class Equations, class Io>
-HWY_INLINE void renew_anchors(Io& io, int derivatives, std::span<const std::int32_t> reads, Equations& equations,
-                              SmallInverse<L, N>& inverse) {
+// they keep their anchors. n: unknowns; scale: of the equations at that posture; entry(r, c): of the inverse of the
+// Jacobian there; poor: positive where it is not exact; at(k): coordinate k of the branch test, of those in `reads`.
+// Io: the Source of a SmallGroup, and
+//   L load(memory, i)
+//   void store(memory, i, value)
+template <class L, class Io, class Scale, class Entry, class At>
+HWY_INLINE void renew_anchors(Io& io, int n, int derivatives, std::span<const std::int32_t> reads, const Scale& scale,
+                              const Entry& entry, const L& poor, const At& at) {
   const L zero = L::set(0), one = L::set(1);
-  L x[N], phi[N], jacobian[N][N], scale[N];
-  typename Equations::Values u;
-  equations.set_inputs(io);
-  for (int j = 0; j < N; ++j) x[j] = io.load(Memory::unknowns, idx(j));
-  equations.evaluate(io, x, u, phi);
-  equations.scale(io, x, u, scale);
-  equations.differentiate(io, u, jacobian);
-  const L poor = inverse.invert(jacobian);
-  L of_lipschitz[N], of_scale[N];
-  for (int c = 0; c < N; ++c) {
-    L column[N];
-    inverse.column(c, column);
-    const L lipschitz = io.load(Memory::lipschitz, idx(c));
-    for (int r = 0; r < N; ++r) {
-      const L size = abs(column[r]);
-      of_lipschitz[r] = c == 0 ? size * lipschitz : of_lipschitz[r] + size * lipschitz;
-      of_scale[r] = c == 0 ? size * scale[c] : of_scale[r] + size * scale[c];
+  L omega, left;  // left: error of the posture over the relative residual
+  for (int r = 0; r < n; ++r) {
+    L of_lipschitz, of_scale;
+    for (int c = 0; c < n; ++c) {
+      const L size = abs(entry(r, c)), lipschitz = io.load(Memory::lipschitz, idx(c));
+      of_lipschitz = c == 0 ? size * lipschitz : of_lipschitz + size * lipschitz;
+      of_scale = c == 0 ? size * scale[c] : of_scale + size * scale[c];
     }
-  }
-  L omega = of_lipschitz[0], left = of_scale[0];  // left: error of the posture over the relative residual
-  for (int r = 1; r < N; ++r) {
-    omega = max(of_lipschitz[r], omega);
-    left = max(of_scale[r], left);
+    omega = r == 0 ? of_lipschitz : max(of_lipschitz, omega);
+    left = r == 0 ? of_scale : max(of_scale, left);
   }
   const auto figure = [&](GroupFigure f) HWY_ATTR { return io.load(Memory::figures, static_cast<std::size_t>(f)); };
   const L used = figure(GroupFigure::ball_used), needs = figure(GroupFigure::needs_anchor);
@@ -70,10 +61,10 @@ HWY_INLINE void renew_anchors(Io& io, int derivatives, std::span<const std::int3
   // Without rates the cubic from the anchor, and so the tube, is unknown.
   renew(Memory::anchor_time, 0, derivatives > 0 ? io.setting(GroupSetting::time) : L::set(kNan));
   for (std::size_t k = 0; k < reads.size(); ++k) {
-    const std::int32_t reg = reads[k];
-    renew(Memory::anchor, k, reg < N ? x[reg] : equations.input(reg - N));
+    renew(Memory::anchor, k, at(k));
     if (derivatives == 0) continue;
-    renew(Memory::anchor_rates, k, reg < N ? io.load(Memory::rates, idx(reg)) : io.input(1, reg - N));
+    const std::int32_t reg = reads[k];
+    renew(Memory::anchor_rates, k, reg < n ? io.load(Memory::rates, idx(reg)) : io.input(1, reg - n));
   }
 }
 

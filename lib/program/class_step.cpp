@@ -17,7 +17,7 @@ namespace assur {
 namespace {
 
 using Values = std::vector<Value>;
-using Tests = HWY_NAMESPACE::GroupTests<Value, 1>;
+using Tests = HWY_NAMESPACE::GroupTests<Value>;
 
 class Writer {
   using Equations = HWY_NAMESPACE::QuadraticEquations<Value>;
@@ -60,7 +60,8 @@ class Writer {
     GroupSlots to = slots();
     for (std::size_t k = 0; k < jacobian.size(); ++k) to.store(Memory::work, k, jacobian[k]);
     to.store(Memory::figures, static_cast<std::size_t>(GroupFigure::failed), linear_.factorize(jacobian));
-    linear_.keep(to, jacobian.size());
+    std::size_t next = jacobian.size();
+    linear_.each_number([&](const Value& number) { to.store(Memory::work, next++, number); });
     return {{graph_.phase()}, {}};
   }
 
@@ -70,12 +71,13 @@ class Writer {
     evaluate(equations, predicted(equations), phi, jacobian);
     GroupSlots io = slots();
     for (std::size_t k = 0; k < jacobian.size(); ++k) jacobian[k] = io.load(Memory::work, k);
-    linear_.recall(io, jacobian.size());
+    std::size_t next = jacobian.size();
+    linear_.each_number([&](Value& number) { number = io.load(Memory::work, next++); });
     equations.velocity_rhs(coefficients(), inputs(1), into(rhs));
     const Values x = linear_.solve(rhs);
     for (std::size_t j = 0; j < n_; ++j) io.store(Memory::rates, j, x[j]);
     const Slot failed = slot_of(GroupFigure::failed);
-    const Value grown = exceeds(linear_.residual(jacobian, x, rhs), Value::set(kPivotsGrew));
+    const Value grown = exceeds(linear_residual(class_.pattern, jacobian, x, rhs), Value::set(kPivotsGrew));
     graph_.store(failed, graph_.load(failed) + grown);
     return {{graph_.phase()}, {}};
   }
@@ -136,7 +138,7 @@ class Writer {
     s.failed = s.failed + linear_.factorize(jacobian);
     const Values by = linear_.solve(phi);
     if (!is_first || !class_.quadratic())
-      s.failed = s.failed + exceeds(linear_.residual(jacobian, by, phi), Value::set(kPivotsGrew));
+      s.failed = s.failed + exceeds(linear_residual(class_.pattern, jacobian, by, phi), Value::set(kPivotsGrew));
     const Value size = largest_of(by), largest = if_at_most(s.active, kNone, kNone, size);
     s.failed = s.failed + (largest - largest);
     if (is_first) graph_.store(work(kFirst), largest);
@@ -232,7 +234,7 @@ class Writer {
       if (d == 1) rate = x;
       if (first > 0) continue;
       Value& residual = residuals[d - 1];
-      residual = linear_.residual(jacobian, x, rhs);
+      residual = linear_residual(class_.pattern, jacobian, x, rhs);
       failed = failed + exceeds(residual, Value::set(kPivotsGrew));
     }
     const GroupSlots in = slots();

@@ -1,7 +1,6 @@
 #include "program/group_step.hpp"
 
 #include <algorithm>
-#include <type_traits>
 
 #include "index.hpp"
 #include "program/graph.hpp"
@@ -43,16 +42,14 @@ class GivenValues : public GroupSlots {
 
 // Writes the phases of a SmallGroup. Most steps take one correction. So the first phase begins, corrects once and
 // finishes, all in registers; lanes that are not solved then iterate and finish in phases of their own.
-template <int N, class Equations>
+template <int N>
 class Writer {
-  using Group = HWY_NAMESPACE::SmallGroup<Value, N, Equations>;
+  using Group = HWY_NAMESPACE::SmallGroup<Value, N>;
   using State = typename Group::State;
 
  public:
-  template <class... Arguments>
-  Writer(std::uint16_t number, std::span<const std::int32_t> reads, const GroupClass& group_class,
-         const Arguments&... arguments)
-      : number_(number), reads_(reads), group_class_(group_class), group_(group_class, arguments...) {}
+  Writer(std::uint16_t number, std::span<const std::int32_t> reads, const GroupClass& group_class)
+      : number_(number), reads_(reads), group_class_(group_class), group_(group_class) {}
 
   [[nodiscard]] StepProgram write(const GroupBegin* begin) {
     StepProgram out;
@@ -159,22 +156,16 @@ class Writer {
 
 template <int N>
 GroupProgram write(const GroupClass& group_class, std::span<const std::int32_t> reads, const GroupBegin* begin) {
-  const auto make = [&]<class E>(std::type_identity<E>, const auto&... arguments) {
-    const std::uint16_t number = begin != nullptr ? begin->group : std::uint16_t{0};
-    return GroupProgram{Writer<N, E>(number, reads, arguments...).write(begin), Layout{N}.size()};
-  };
-  return HWY_NAMESPACE::with_equations<Value, N>(group_class, make);
+  const std::uint16_t number = begin != nullptr ? begin->group : std::uint16_t{0};
+  return {Writer<N>(number, reads, group_class).write(begin), Layout{N}.size()};
 }
 
 template <int N>
 StepProgram write_anchor(const GroupClass& group_class, std::span<const std::int32_t> reads) {
-  const auto make = [&]<class E>(std::type_identity<E>, const auto&... arguments) {
-    Graph graph;
-    GroupSlots io(graph, group_class, std::uint16_t{0});
-    HWY_NAMESPACE::SmallGroup<Value, N, E>(arguments...).renew_anchors(group_class.derivatives, reads, io);
-    return StepProgram{{graph.phase()}, {}};
-  };
-  return HWY_NAMESPACE::with_equations<Value, N>(group_class, make);
+  Graph graph;
+  GroupSlots io(graph, group_class, std::uint16_t{0});
+  HWY_NAMESPACE::SmallGroup<Value, N>(group_class).renew_anchors(group_class.derivatives, reads, io);
+  return {{graph.phase()}, {}};
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// What the steps of small groups test (step_rules.hpp): residuals, convergence and the ball. Each lane for itself, in
-// the text that writes programs as well, see SmallGroup. Included once for each target, inside its HWY_NAMESPACE (see
+// What the steps of groups test (step_rules.hpp): residuals, convergence and the ball. Each lane for itself, in the
+// text that writes programs as well, see SmallGroup. Included once for each target, inside its HWY_NAMESPACE (see
 // Highway, "foreach_target.h").
 #if defined(ASSUR_GROUP_TESTS_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef ASSUR_GROUP_TESTS_INL
@@ -17,29 +17,25 @@
 HWY_BEFORE_NAMESPACE();
 namespace assur::HWY_NAMESPACE {
 
-// L: Lanes, or Value; N unknowns
-template <class L, int N>
+// L: Lanes, or Value
+template <class L>
 struct GroupTests {
-  using Column = L[N];
-  using Matrix = L[N][N];
-
-  static HWY_INLINE void multiply(const Column& a, const Column& b, Column& out) {
-    for (int i = 0; i < N; ++i) out[i] = a[i] * b[i];
-  }
   // poison: NaN if a number is not finite, else 0. The comparisons of a maximum would lose it.
   static HWY_INLINE void include(const L& number, L& largest, L& poison) {
     largest = max(abs(number), largest);
     poison = poison + (number - number);
   }
-  static HWY_INLINE L largest_of(const Column& numbers) {
+  template <class Numbers>
+  static HWY_INLINE L largest_of(const Numbers& numbers) {
     L largest = L::set(0), poison = largest;
-    for (int i = 0; i < N; ++i) include(numbers[i], largest, poison);
+    for (const L& x : numbers) include(x, largest, poison);
     return largest + poison;
   }
   // 0 if all numbers are at most the bound, else 1, also for NaN.
-  static HWY_INLINE L is_open(const Column& numbers, const L& bound) {
+  template <class Numbers>
+  static HWY_INLINE L is_open(const Numbers& numbers, const L& bound) {
     L open = L::set(0);
-    for (int i = 0; i < N; ++i) open = if_at_most(abs(numbers[i]), bound, open, L::set(1));
+    for (const L& x : numbers) open = if_at_most(abs(x), bound, open, L::set(1));
     return open;
   }
   // A step of 0 is within any ball.
@@ -47,14 +43,15 @@ struct GroupTests {
   static HWY_INLINE L times_omega(const Source& in, const L& size) {
     return if_at_most(size, L::set(0), size, in.omega() * size);
   }
-  template <class Source>
-  static HWY_INLINE L part_of_ball(const Source& in, const Column& by) {
+  template <class Source, int N>
+  static HWY_INLINE L part_of_ball(const Source& in, const L (&by)[N]) {
     L largest = L::set(0), poison = largest;
     for (int i = 0; i < N; ++i) include(by[i], largest, poison);
     return times_omega(in, largest) + poison;
   }
   // Maximum norm.
-  static HWY_INLINE L norm_of(const Matrix& matrix) {
+  template <int N>
+  static HWY_INLINE L norm_of(const L (&matrix)[N][N]) {
     L largest = L::set(0);
     for (int i = 0; i < N; ++i) {
       L sum = abs(matrix[i][0]);
@@ -64,17 +61,19 @@ struct GroupTests {
     return largest;
   }
   // b - J x
-  static HWY_INLINE void rest(const Matrix& jacobian, const Column& x, const Column& b, Column& out) {
+  template <int N>
+  static HWY_INLINE void rest(const L (&jacobian)[N][N], const L (&x)[N], const L (&b)[N], L (&out)[N]) {
     for (int i = 0; i < N; ++i) {
       out[i] = b[i];
       for (int j = 0; j < N; ++j) out[i].subtract_product(jacobian[i][j], x[j]);
     }
   }
   // |b - J x| / (|J| |x| + |b|) in maximum norms.
-  static HWY_INLINE L residual(const Matrix& jacobian, const L& norm, const Column& x, const Column& b) {
+  template <int N>
+  static HWY_INLINE L residual(const L (&jacobian)[N][N], const L& norm, const L (&x)[N], const L (&b)[N]) {
     const L zero = L::set(0);
     L left = zero, poison = zero, norm_x = zero, size = zero;
-    Column difference;
+    L difference[N];
     rest(jacobian, x, b, difference);
     for (int i = 0; i < N; ++i) {
       include(difference[i], left, poison);
@@ -96,8 +95,9 @@ struct GroupTests {
     L failed;   // 0, or positive if the lane is not solved and convergence is unusual
   };
   // ratio: |Phi_i| over its scale; relative: the largest of them; before: that of the last posture. corrections: their
-  // number with this one. may_vanish: coefficients of unknowns may. failed: 0, or positive if something else is unusual
-  static HWY_INLINE Progress judge(const Column& ratio, const L& converged, const L& relative, const L& before,
+  // number with this one. may_vanish: see terms_may_vanish(). failed: 0, or positive if something else is unusual
+  template <class Numbers>
+  static HWY_INLINE Progress judge(const Numbers& ratio, const L& converged, const L& relative, const L& before,
                                    const L& corrections, bool may_vanish, L failed) {
     const L zero = L::set(0), one = L::set(1), open = is_open(ratio, converged);
     L falls = relative;  // above 0: slowly

@@ -1,8 +1,9 @@
 // Linear systems of a group in its step program, with the pivots of the backend `lanes`.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
-#include <utility>
+#include <cstdint>
 #include <vector>
 
 #include "backends/lanes_elimination.hpp"
@@ -10,6 +11,7 @@
 #include "index.hpp"
 #include "program/graph.hpp"
 #include "program/group_slots.hpp"
+#include "program/small_inverse-inl.hpp"
 #include "program/step_rules.hpp"
 
 namespace assur {
@@ -28,6 +30,27 @@ inline const Value kNone = Value::set(0), kAll = Value::set(1);
     sum = sum + x;
   }
   return largest + (sum - sum);
+}
+
+// |b - A x| / (|A| |x| + |b|) in maximum norms, as PackKernels::residual.
+[[nodiscard]] inline Value linear_residual(const Pattern& pattern, const std::vector<Value>& matrix,
+                                           const std::vector<Value>& x, const std::vector<Value>& b) {
+  std::vector<Value> rest = b, row_sums(b.size());
+  for (std::int32_t c = 0; c < pattern.n; ++c) {
+    for (std::int32_t k = pattern.column_start[idx(c)]; k < pattern.column_start[idx(c) + 1]; ++k) {
+      const std::size_t r = idx(pattern.row[idx(k)]);
+      rest[r].subtract_product(matrix[idx(k)], x[idx(c)]);
+      row_sums[r] = row_sums[r] + abs(matrix[idx(k)]);
+    }
+  }
+  Value norm = kNone, norm_x = kNone, size = kNone;
+  for (std::size_t i = 0; i < b.size(); ++i) {
+    norm = max(row_sums[i], norm);
+    norm_x = max(abs(x[i]), norm_x);
+    size = max(abs(b[i]), size);
+  }
+  size.add_product(norm, norm_x);
+  return largest_of(rest) / if_at_most(size, kNone, kAll, size);
 }
 
 // The loops of the backend `lanes` (backends/lanes_kernels.cpp), written out.
@@ -72,12 +95,10 @@ class LinearSteps {
     return failed;
   }
 
-  // The factors in Memory::work, from a number on.
-  void keep(GroupSlots& to, std::size_t first) const {
-    for (std::size_t k = 0; k < p_.square_slot; ++k) to.store(Memory::work, first + k, slots_[k]);
-  }
-  void recall(const GroupSlots& from, std::size_t first) {
-    for (std::size_t k = 0; k < p_.square_slot; ++k) slots_[k] = from.load(Memory::work, first + k);
+  // Calls each(number) for the numbers of the factors, which can be kept and put back.
+  template <class Each>
+  void each_number(const Each& each) {
+    for (std::size_t k = 0; k < p_.square_slot; ++k) each(slots_[k]);
   }
 
   // Unknowns before first_wanted are unspecified.
@@ -102,26 +123,6 @@ class LinearSteps {
     return x;
   }
 
-  // |b - A x| / (|A| |x| + |b|) in maximum norms, as PackKernels::residual.
-  [[nodiscard]] Value residual(const Values& matrix, const Values& x, const Values& b) const {
-    Values rest = b, row_sums(b.size());
-    for (std::int32_t c = 0; c < pattern_.n; ++c) {
-      for (std::int32_t k = pattern_.column_start[idx(c)]; k < pattern_.column_start[idx(c) + 1]; ++k) {
-        const std::size_t r = idx(pattern_.row[idx(k)]);
-        rest[r].subtract_product(matrix[idx(k)], x[idx(c)]);
-        row_sums[r] = row_sums[r] + abs(matrix[idx(k)]);
-      }
-    }
-    Value norm = kNone, norm_x = kNone, size = kNone;
-    for (std::size_t i = 0; i < b.size(); ++i) {
-      norm = max(row_sums[i], norm);
-      norm_x = max(abs(x[i]), norm_x);
-      size = max(abs(b[i]), size);
-    }
-    size.add_product(norm, norm_x);
-    return largest_of(rest) / if_at_most(size, kNone, kAll, size);
-  }
-
  private:
   using Number = lanes::Elimination::Number;
 
@@ -140,6 +141,98 @@ class LinearSteps {
   const Pattern& pattern_;
   const lanes::Elimination& p_;
   Values slots_;
+};
+
+// The inverse of a Jacobian: of up to kWithoutPivots unknowns by cofactors.
+class Inverse {
+  using Values = std::vector<Value>;
+
+ public:
+  // elimination: for more than kWithoutPivots unknowns
+  Inverse(const Pattern& pattern, const lanes::Elimination& elimination)
+      : pattern_(pattern), n_(idx(pattern.n)), linear_(pattern, elimination) {}
+
+  // Returns a positive number where it is not exact.
+  [[nodiscard]] Value invert(const Values& nonzeros) {
+    switch (n_) {
+      case 1:
+        one_ = kAll / nonzeros[0];
+        return exceeds(one_ - one_, kNone);
+      case 2:
+        return invert(two_, nonzeros);
+      case 3:
+        return invert(three_, nonzeros);
+      default:
+        return linear_.factorize(nonzeros);
+    }
+  }
+  [[nodiscard]] Values solve(const Values& b) const {
+    switch (n_) {
+      case 1:
+        return {one_ * b[0]};
+      case 2:
+        return solve(two_, b);
+      case 3:
+        return solve(three_, b);
+      default:
+        return linear_.solve(b);
+    }
+  }
+  [[nodiscard]] Values column(std::size_t e) const {
+    Values unit(n_);
+    unit[e] = kAll;
+    return solve(unit);
+  }
+
+  // Its numbers in Memory::work, from a number on: at most most_numbers().
+  void keep(GroupSlots& to, std::size_t first) {
+    each_number([&](const Value& number) { to.store(Memory::work, first++, number); });
+  }
+  void recall(const GroupSlots& from, std::size_t first) {
+    each_number([&](Value& number) { number = from.load(Memory::work, first++); });
+  }
+  [[nodiscard]] static std::size_t most_numbers(std::int32_t n) { return idx(n) * idx(n) + 1; }
+
+ private:
+  template <int N>
+  using Small = HWY_NAMESPACE::SmallInverse<Value, N>;
+  template <int N>
+  Value invert(Small<N>& inverse, const Values& nonzeros) const {
+    Value a[N][N];
+    for (std::int32_t c = 0; c < N; ++c) {
+      for (std::int32_t k = pattern_.column_start[idx(c)]; k < pattern_.column_start[idx(c) + 1]; ++k) {
+        a[pattern_.row[idx(k)]][c] = nonzeros[idx(k)];
+      }
+    }
+    return inverse.invert(a);
+  }
+  template <int N>
+  static Values solve(const Small<N>& inverse, const Values& b) {
+    Value right[N], x[N];
+    std::copy_n(b.begin(), N, right);
+    inverse.solve(right, x);
+    return {x, x + N};
+  }
+  template <class Each>
+  void each_number(const Each& each) {
+    switch (n_) {
+      case 1:
+        return each(one_);
+      case 2:
+        return two_.each_number(each);
+      case 3:
+        return three_.each_number(each);
+      default:
+        return linear_.each_number(each);
+    }
+  }
+
+  const Pattern& pattern_;
+  std::size_t n_;
+  Value one_;
+  Small<2> two_;
+  Small<3> three_;
+  LinearSteps linear_;
 };
 
 }  // namespace assur

@@ -10,36 +10,31 @@
 #endif
 
 #include "program/anchor-inl.hpp"
-#include "program/distance_equations-inl.hpp"
-#include "program/general_equations-inl.hpp"
 #include "program/group_tests-inl.hpp"
-#include "program/separable_equations-inl.hpp"
+#include "program/small_equations-inl.hpp"
 #include "program/small_inverse-inl.hpp"
 
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <span>
-#include <type_traits>
 
-#include "equations/separable.hpp"
 #include "program/group_step.hpp"
 #include "program/step_rules.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace assur::HWY_NAMESPACE {
 
-// L: Lanes, or Value. Equations: DistanceEquations, SeparableEquations or GeneralEquations. Source: reads the numbers
-// of a pack, by
+// L: Lanes, or Value. Source: reads the numbers of a pack, by
 //   L coefficient(i)               of the equations, also zero_coefficient() and one_coefficient()
 //   L input(d, i), unknown(j)      d-th derivative of an input; predicted unknown
 //   L anchor(k), omega(), ball_used()  see Memory
 //   L setting(GroupSetting)
-template <class L, int N, class Equations>
+template <class L, int N>
 class SmallGroup {
-  using Tests = GroupTests<L, N>;
-  using Column = typename Tests::Column;
-  using Matrix = typename Tests::Matrix;
+  using Equations = SmallEquations<L, N>;
+  using Tests = GroupTests<L>;
+  using Column = typename Equations::Column;
+  using Matrix = typename Equations::Matrix;
 
  public:
   // Between the phases.
@@ -53,8 +48,7 @@ class SmallGroup {
     L rough;  // positive where linear solutions must be refined and were not
   };
 
-  template <class... Arguments>
-  explicit SmallGroup(const Arguments&... arguments) : equations_(arguments...) {}
+  explicit SmallGroup(const GroupClass& group_class) : equations_(group_class) {}
 
   [[nodiscard]] Equations& equations() { return equations_; }
 
@@ -62,13 +56,14 @@ class SmallGroup {
   HWY_INLINE void begin(const Source& in, State& s) {
     equations_.set_inputs(in);
     for (int j = 0; j < N; ++j) s.x[j] = in.unknown(j);
-    typename Equations::Values u;
-    equations_.evaluate(in, s.x, u, s.phi);
+    equations_.evaluate(in, s.x, s.phi);
     const L one = L::set(1);
     Column scale, ratio;
-    equations_.scale(in, s.x, u, scale);
-    for (int i = 0; i < N; ++i) s.weight[i] = one / if_at_most(scale[i], L::set(0), one, scale[i]);
-    Tests::multiply(s.phi, s.weight, ratio);
+    equations_.scale(in, scale);
+    for (int i = 0; i < N; ++i) {
+      s.weight[i] = one / if_at_most(scale[i], L::set(0), one, scale[i]);
+      ratio[i] = s.phi[i] * s.weight[i];
+    }
     s.relative = Tests::largest_of(ratio);
     s.active = Tests::is_open(ratio, in.setting(GroupSetting::converged_at));
     s.failed = s.iterations = s.last = L::set(0);
@@ -78,16 +73,15 @@ class SmallGroup {
   template <class Source>
   HWY_INLINE void iterate(const Source& in, State& s) {
     const L zero = L::set(0), one = L::set(1);
-    typename Equations::Values u;
     Matrix jacobian;
     Column next, phi, by, ratio;
-    equations_.evaluate(in, s.x, u, phi);
-    equations_.differentiate(in, u, jacobian);
+    equations_.evaluate(in, s.x, phi);
+    equations_.differentiate(in, jacobian);
     L failed = inverse_.invert(jacobian);
     inverse_.solve(s.phi, by);
     for (int j = 0; j < N; ++j) next[j] = s.x[j] - by[j];
-    equations_.evaluate(in, next, u, phi);
-    Tests::multiply(phi, s.weight, ratio);
+    equations_.evaluate(in, next, phi);
+    for (int i = 0; i < N; ++i) ratio[i] = phi[i] * s.weight[i];
 
     const L relative = Tests::largest_of(ratio), iterations = s.iterations + one;
     const L largest_first = L::set(largest_first_correction(0)) * (one - in.ball_used());
@@ -131,20 +125,17 @@ class SmallGroup {
     figures.velocity = figures.acceleration = L::set(-1);  // not computed
     figures.rough = L::set(0);
     if (derivatives > 0) {
-      typename Equations::Values u;
       Matrix jacobian;
       Column rhs;
-      equations_.evaluate(in, s.x, u, rhs);
-      equations_.differentiate(in, u, jacobian);
+      equations_.evaluate(in, s.x, rhs);
+      equations_.differentiate(in, jacobian);
       const L poor = inverse_.invert(jacobian), norm = Tests::norm_of(jacobian);
-      equations_.set_rates(in);
-      equations_.velocity_rhs(in, s.x, u, rhs);
+      equations_.velocity_rhs(in, rhs);
       figures.velocity = solve<kRefine>(jacobian, norm, rhs, rate, figures.rough);
       s.failed = s.failed + poor;
       if (kRefine) s.failed = s.failed + (figures.velocity - figures.velocity);  // else it is rough
       if (derivatives > 1) {
-        equations_.set_accelerations(in);
-        equations_.acceleration_rhs(in, s.x, u, rate, rhs);
+        equations_.acceleration_rhs(in, rate, rhs);
         figures.acceleration = solve<kRefine>(jacobian, norm, rhs, acceleration, figures.rough);
         if (kRefine) s.failed = s.failed + (figures.acceleration - figures.acceleration);
       }
@@ -162,7 +153,17 @@ class SmallGroup {
   // For the lanes that need an anchor after finish().
   template <class Io>
   HWY_INLINE void renew_anchors(int derivatives, std::span<const std::int32_t> reads, Io& io) {
-    HWY_NAMESPACE::renew_anchors<L, N>(io, derivatives, reads, equations_, inverse_);
+    Column x, phi, scale;
+    Matrix jacobian;
+    equations_.set_inputs(io);
+    for (int j = 0; j < N; ++j) x[j] = io.load(Memory::unknowns, idx(j));
+    equations_.evaluate(io, x, phi);
+    equations_.scale(io, scale);
+    equations_.differentiate(io, jacobian);
+    const L poor = inverse_.invert(jacobian);
+    const auto entry = [&](int r, int c) HWY_ATTR { return inverse_.entry(r, c); };
+    const auto at = [&](std::size_t k) HWY_ATTR { return reads[k] < N ? x[reads[k]] : equations_.input(reads[k] - N); };
+    HWY_NAMESPACE::renew_anchors<L>(io, N, derivatives, reads, scale, entry, poor, at);
   }
 
  private:
@@ -189,18 +190,6 @@ class SmallGroup {
   Equations equations_;
   SmallInverse<L, N> inverse_;
 };
-
-// Calls make(std::type_identity<Equations>(), arguments of the constructor of Equations...) with the equations that
-// serve a class best. Its kernels and its program must choose the same ones.
-template <class L, int N, class Make>
-auto with_equations(const GroupClass& group_class, const Make& make) {
-  const std::optional<Separable> separable = separate(group_class);
-  if (!separable) return make(std::type_identity<GeneralEquations<L, N>>(), group_class);
-  if (!measures_distances(*separable, group_class)) {
-    return make(std::type_identity<SeparableEquations<L, N>>(), group_class, *separable);
-  }
-  return make(std::type_identity<DistanceEquations<L, N>>(), group_class, *separable);
-}
 
 // NOLINTNEXTLINE(google-readability-namespace-comments)
 }  // namespace assur::HWY_NAMESPACE

@@ -55,21 +55,13 @@ class SmallInverse {
     return if_at_most(L::set(kSmallest * kSmallest) * volume, determinant * determinant, L::set(0), L::set(1));
   }
 
-  // The inverse, as put(number, value), for recall(). It has kNumbers numbers.
-  static constexpr std::size_t kNumbers = N * N + 1;
-  template <class Put>
-  HWY_INLINE void keep(const Put& put) const {
-    for (int i = 0; i < N; ++i) {
-      for (int j = 0; j < N; ++j) put(static_cast<std::size_t>(i * N + j), column_[i][j]);
+  // Calls each(number) for the numbers of the inverse, which can be kept and put back.
+  template <class Each>
+  void each_number(const Each& each) {
+    for (auto& of_column : column_) {
+      for (L& number : of_column) each(number);
     }
-    put(N * N, reciprocal_);
-  }
-  template <class Get>
-  HWY_INLINE void recall(const Get& get) {
-    for (int i = 0; i < N; ++i) {
-      for (int j = 0; j < N; ++j) column_[i][j] = get(static_cast<std::size_t>(i * N + j));
-    }
-    reciprocal_ = get(N * N);
+    each(reciprocal_);
   }
 
   // x = A^-1 b
@@ -83,10 +75,7 @@ class SmallInverse {
     sum(b, all);
     for (int j = 0; j < N; ++j) x[j].add_product(all[j], reciprocal_);
   }
-  // Column i of A^-1.
-  HWY_INLINE void column(int i, L (&x)[N]) const {
-    for (int j = 0; j < N; ++j) x[j] = column_[i][j] * reciprocal_;
-  }
+  HWY_INLINE L entry(int row, int column) const { return column_[column][row] * reciprocal_; }
 
  private:
   static constexpr double kSmallest = 0x1p-30;  // relative volume

@@ -73,11 +73,11 @@ enum class Memory : std::uint8_t {
   work,         // from phase to phase
   figures,      // what the step tells about itself
   // of groups that are solved together with those of other levels (program/together_step.hpp)
-  own,      // changes of the unknowns, alone
-  slopes,   // of coupled equations along inputs
-  change,   // of the unknowns, with all loads
-  sources,  // changes of inputs
-  loads,    // of coupled rows
+  own,        // changes of the unknowns, alone
+  couplings,  // of equations with inputs that other groups compute
+  change,     // of the unknowns, with all loads
+  sources,    // changes of inputs
+  loads,      // of coupled rows
   // of a mechanism
   state,  // coordinates at the end of the step, by address
   state_rates,

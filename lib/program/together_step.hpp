@@ -12,18 +12,19 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "assur/structure.hpp"
+#include "backends/lanes_elimination.hpp"
 #include "equations/coefficients.hpp"
 #include "program/group_step.hpp"
-#include "program/slopes.hpp"
 #include "program/step_program.hpp"
 
 namespace assur {
 
 enum class TogetherPass : std::uint8_t {
   begin,          // scales; then as linearise
-  linearise,      // equations, factors, own changes, columns and slopes
+  linearise,      // equations, factors, own changes, columns and couplings
   approach,       // whether the first change is small enough: Memory::change, and Memory::sources of other groups
   rates,          // own rates: Memory::input_rates without those that groups compute
   accelerations,  // own accelerations, likewise, but with all input rates; measures the rates
@@ -45,11 +46,33 @@ struct TogetherShape {
   [[nodiscard]] int lanes_of(TogetherPass pass) const { return pass == TogetherPass::anchors ? kTogetherLanes : lanes; }
 };
 
+// What the equations of a class read of other groups.
+struct Couplings {
+  // -H of an equation and an input. Entries with the same row and part read the same group everywhere.
+  struct Entry {
+    std::int32_t row, input;
+    std::int32_t part = 0;
+  };
+
+  std::vector<std::int32_t> equations;  // coupled rows -> equations
+  std::vector<Entry> entries;           // by rows, and then by parts
+
+  [[nodiscard]] std::int32_t rows() const { return static_cast<std::int32_t>(equations.size()); }
+};
+// Of each class: its inputs that another group computes in some group of the class.
+[[nodiscard]] std::vector<Couplings> couplings_of(const Structure& structure);
+
+// What the passes of a class need.
+struct TogetherClass {
+  const GroupClass& group_class;
+  std::span<const std::int32_t> reads;  // coordinates of the branch test, as registers
+  const Couplings& couplings;
+  const lanes::Elimination& elimination;  // for more than kWithoutPivots unknowns
+};
+
 // Numbers of a group in Memory::work.
 [[nodiscard]] std::size_t work_of_together_step(const GroupClass& group_class);
-// For separable classes that have a group_step(). reads: see group_step()
-[[nodiscard]] StepProgram together_program(TogetherPass pass, const GroupClass& group_class,
-                                           std::span<const std::int32_t> reads, const Slopes& slopes,
-                                           const TogetherShape& shape);
+// For a class that why_not_together() allows.
+[[nodiscard]] StepProgram together_program(TogetherPass pass, const TogetherClass& of, const TogetherShape& shape);
 
 }  // namespace assur

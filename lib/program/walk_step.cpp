@@ -1,6 +1,5 @@
 #include "program/walk_step.hpp"
 
-#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -9,7 +8,6 @@
 #include "numbers.hpp"
 #include "program/graph.hpp"
 #include "program/linear_steps.hpp"
-#include "program/small_inverse-inl.hpp"
 #include "structure/walk.hpp"
 
 namespace assur {
@@ -18,73 +16,6 @@ namespace {
 constexpr double kMostUsed = 1e6;  // a larger part of the bound counts as infinite
 
 using Values = std::vector<Value>;
-
-// The inverse of the Jacobian: of up to three unknowns by cofactors, which need no pivots.
-class Inverse {
- public:
-  Inverse(const Pattern& pattern, const lanes::Elimination& elimination)
-      : pattern_(pattern), n_(idx(pattern.n)), linear_(pattern, elimination) {}
-
-  // Returns a positive number where it is not exact.
-  [[nodiscard]] Value invert(const Values& nonzeros) {
-    switch (n_) {
-      case 1:
-        one_ = kAll / nonzeros[0];
-        return exceeds(one_ - one_, kNone);
-      case 2:
-        return invert(two_, nonzeros);
-      case 3:
-        return invert(three_, nonzeros);
-      default:
-        return linear_.factorize(nonzeros);
-    }
-  }
-  [[nodiscard]] Values solve(const Values& b) const {
-    switch (n_) {
-      case 1:
-        return {one_ * b[0]};
-      case 2:
-        return solve(two_, b);
-      case 3:
-        return solve(three_, b);
-      default:
-        return linear_.solve(b);
-    }
-  }
-  [[nodiscard]] Values column(std::size_t e) const {
-    Values unit(n_);
-    unit[e] = kAll;
-    return solve(unit);
-  }
-
- private:
-  template <int N>
-  using Small = HWY_NAMESPACE::SmallInverse<Value, N>;
-  template <int N>
-  Value invert(Small<N>& inverse, const Values& nonzeros) const {
-    Value a[N][N];
-    for (std::int32_t c = 0; c < N; ++c) {
-      for (std::int32_t k = pattern_.column_start[idx(c)]; k < pattern_.column_start[idx(c) + 1]; ++k) {
-        a[pattern_.row[idx(k)]][c] = nonzeros[idx(k)];
-      }
-    }
-    return inverse.invert(a);
-  }
-  template <int N>
-  static Values solve(const Small<N>& inverse, const Values& b) {
-    Value right[N], x[N];
-    std::copy_n(b.begin(), N, right);
-    inverse.solve(right, x);
-    return {x, x + N};
-  }
-
-  const Pattern& pattern_;
-  std::size_t n_;
-  Value one_;
-  Small<2> two_;
-  Small<3> three_;
-  LinearSteps linear_;
-};
 
 class Writer : WalkRules {
   using Equations = HWY_NAMESPACE::QuadraticEquations<Value>;

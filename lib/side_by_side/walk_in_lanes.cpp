@@ -9,6 +9,7 @@
 #include "backends/with_lanes.hpp"
 #include "index.hpp"
 #include "program/needs.hpp"
+#include "program/step_rules.hpp"
 #include "program/walk_step.hpp"
 #include "structure/classes.hpp"
 #include "structure/dense_block.hpp"
@@ -17,7 +18,6 @@ namespace assur {
 namespace {
 
 constexpr std::int32_t kMostUnknowns = 24;  // of a part: the program has all columns of an inverse
-constexpr std::int32_t kWithoutPivots = 3;  // see walk_step()
 constexpr double kShortest = 0x1p-8;        // step; one mechanism alone takes steps of any length
 constexpr int kMostSteps = 100;
 

@@ -28,7 +28,7 @@ StepProgram program() {
   const auto input = [&](int i) { return graph.load({Memory::inputs, static_cast<std::uint32_t>(i)}); };
   std::uint32_t next = 0;
   const auto put = [&](const Value& v) { graph.store({Memory::outputs, next++}, v); };
-  Value a[N][N], b[N], x[N], sum[N], column[N];
+  Value a[N][N], b[N], x[N], sum[N];
   for (int i = 0; i < N; ++i) {
     for (int j = 0; j < N; ++j) a[i][j] = input(N * i + j);
     b[i] = input(N * N + i);
@@ -37,8 +37,10 @@ StepProgram program() {
   const Value poor = inverse.invert(a);
   inverse.solve(b, x);
   for (int i = 0; i < N; ++i) {
-    inverse.column(i, column);
-    for (int j = 0; j < N; ++j) sum[j] = i == 0 ? column[j] * b[i] : sum[j] + column[j] * b[i];
+    for (int j = 0; j < N; ++j) {
+      const Value part = inverse.entry(j, i) * b[i];
+      sum[j] = i == 0 ? part : sum[j] + part;
+    }
   }
   for (const Value& v : x) put(v);
   for (const Value& v : sum) put(v);

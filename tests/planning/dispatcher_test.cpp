@@ -12,7 +12,6 @@
 #include "planning/candidates.hpp"
 #include "planning/counts.hpp"
 #include "planning/dispatcher.hpp"
-#include "together_here.hpp"
 
 namespace assur {
 namespace {
@@ -59,7 +58,6 @@ TEST(Dispatcher, ChoosesTheFastestStrategyOfTheMachine) {
 }
 
 TEST(Dispatcher, SolvesTheLevelsOfAChainTogether) {
-  if (const std::string why_not = test::why_not_together_here(); !why_not.empty()) GTEST_SKIP() << why_not;
   const auto plan_of = [](const std::string& text, std::vector<std::string> without = {}) {
     return prepare(sample(text), {.budget = ThreadBudget{1}, .model = model(), .without = std::move(without)}).plan;
   };
@@ -91,7 +89,6 @@ Plan plan_of_chain(std::array<double, 3> seconds) {
 }
 
 TEST(Dispatcher, SolvesLevelsTogetherWithTheMeasuredLanes) {
-  if (const std::string why_not = test::why_not_together_here(); !why_not.empty()) GTEST_SKIP() << why_not;
   struct Case {
     std::array<double, 3> seconds;
     std::int32_t lanes, packs;
@@ -110,7 +107,6 @@ TEST(Dispatcher, SolvesLevelsTogetherWithTheMeasuredLanes) {
 }
 
 TEST(Dispatcher, SolvesLevelsOneByOneIfThatWasMeasuredAsFaster) {
-  if (const std::string why_not = test::why_not_together_here(); !why_not.empty()) GTEST_SKIP() << why_not;
   const Plan plan = plan_of_chain({400e-9, 800e-9, 1600e-9});
   EXPECT_FALSE(plan.run.together);
   EXPECT_TRUE(std::regex_search(plan.reason, std::regex("; all levels together would take [0-9.]+ times as long$")))

@@ -10,7 +10,6 @@
 
 #include "assur/assur.hpp"
 #include "index.hpp"
-#include "together_here.hpp"
 
 namespace assur {
 namespace {
@@ -64,8 +63,7 @@ void expect_parts_of(const Scene& scene, const std::string& strategy) {
 TEST(Parts, MoveAsInTheWholeMechanism) {
   const Scene platforms = sample("stewart:platforms=16");
   for (const char* strategy : {"groups/lanes:4", "irreducible/lanes:4", "irreducible/lanes:4+together"}) {
-    const bool together = std::string_view(strategy).ends_with("+together");
-    if (!together || test::why_not_together_here().empty()) expect_parts_of(platforms, strategy);
+    expect_parts_of(platforms, strategy);
   }
   std::vector<std::string> some;
   for (int p = 1; p <= 16; ++p) some.push_back((p % 2 == 0 ? "B1_" : "handle2_") + std::to_string(p));

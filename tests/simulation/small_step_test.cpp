@@ -139,7 +139,6 @@ void expect_the_same_step(const Scene& scene, const std::string& strategy) {
 
 TEST(SmallStep, EqualsTheStepOfGroupSolver) {
   for (const char* lanes : {"lanes", "lanes:2", "lanes:4", "lanes:8", "lanes:16"}) {
-    // Distances; separable equations; others.
     for (const char* scene : {"andrews", "four_bar:3", "stewart", "slider_crank", "scissor"}) {
       expect_the_same_step(sample(scene), std::string("irreducible/") + lanes);
     }

@@ -16,7 +16,6 @@
 #include "path/limit_watch.hpp"
 #include "scene/samples.hpp"
 #include "simulation/run.hpp"
-#include "together_here.hpp"
 
 namespace assur {
 namespace {
@@ -76,7 +75,6 @@ TEST(Stops, EndAMotionWhereTheClosedFormReachesTheBound) {
 
 // Two dyads in a row, whose levels are solved together.
 TEST(Stops, AreTheSameIfLevelsAreSolvedTogether) {
-  if (const std::string why_not = test::why_not_together_here(); !why_not.empty()) GTEST_SKIP() << why_not;
   SceneBuilder builder("dyads", 2);
   builder.fixed_point("A", {0, 0}).fixed_point("D", {2, 0}).fixed_point("G", {4, 0});
   builder.point("B", {0, 0.5}).point("C", {2, 1}).point("F", {4, 1});

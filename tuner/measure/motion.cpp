@@ -79,13 +79,20 @@ std::unique_ptr<Workload> evaluation(std::shared_ptr<const Structure> structure,
 struct PackStep::Impl {
   Impl(const Prepared& p, std::int32_t group_class)
       : prepared(p), layout(lay_out(prepared)), solver(*layout.solvers[idx(group_class)]) {
-    for (std::vector<double>& s : state) s.resize(layout.size);
-    solve_start();
     const bool all_classes = prepared.plan.run.together;
+    for (std::vector<double>& s : state) s.resize(layout.size);
+    for (const auto& s : layout.solvers) {
+      if (prepared.code != nullptr && !all_classes) s->use(*prepared.code);
+    }
+    solve_start();
     for (Pack& pack : layout.packs) {
       if (all_classes || pack.group_class == group_class) packs.push_back(&pack);
     }
-    if (all_classes) together = std::make_unique<Together>(prepared, layout, nullptr);
+    if (all_classes) {
+      together = std::make_unique<Together>(prepared, layout, nullptr);
+      if (prepared.code != nullptr) together->use(*prepared.code);
+      together->start({at(0), at(1), at(2)});
+    }
     lanes = all_classes ? prepared.plan.choices[idx(group_class)].solver.lanes : solver.lanes();
     of_class = static_cast<std::size_t>(
         std::count_if(packs.begin(), packs.end(), [&](const Pack* pack) { return pack->group_class == group_class; }));
@@ -112,6 +119,7 @@ struct PackStep::Impl {
     for (const auto& s : layout.solvers) s->restart();
     Attempt attempt;
     attempt.branch = Attempt::Branch::start;
+    attempt.makes_code = true;
     for (Pack& pack : layout.packs) {
       if (!status.ok()) break;
       repeat_lane_0(pack, q[0]);

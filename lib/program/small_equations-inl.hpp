@@ -1,10 +1,10 @@
-// Quadratic equations of a small group, as their class lists them. Included once for each target, inside its
-// HWY_NAMESPACE (see Highway, "foreach_target.h").
-#if defined(ASSUR_GENERAL_EQUATIONS_INL) == defined(HWY_TARGET_TOGGLE)
-#ifdef ASSUR_GENERAL_EQUATIONS_INL
-#undef ASSUR_GENERAL_EQUATIONS_INL
+// QuadraticEquations of a group of N unknowns, in arrays that stay in registers. Included once for each target, inside
+// its HWY_NAMESPACE (see Highway, "foreach_target.h").
+#if defined(ASSUR_SMALL_EQUATIONS_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef ASSUR_SMALL_EQUATIONS_INL
+#undef ASSUR_SMALL_EQUATIONS_INL
 #else
-#define ASSUR_GENERAL_EQUATIONS_INL
+#define ASSUR_SMALL_EQUATIONS_INL
 #endif
 
 #include "equations/quadratic_equations-inl.hpp"
@@ -21,43 +21,30 @@
 HWY_BEFORE_NAMESPACE();
 namespace assur::HWY_NAMESPACE {
 
-// Has the functions of DistanceEquations that SmallGroup calls. L, Source: see SmallGroup.
+// L, Source: see SmallGroup.
 template <class L, int N>
-class GeneralEquations {
+class SmallEquations {
  public:
   using Column = L[N];
   using Matrix = L[N][N];
-  struct Values {};  // registers hold them
 
-  explicit GeneralEquations(const GroupClass& group_class) : class_(group_class), equations_(group_class) {
-    for (const GroupClass::Equation& e : class_.equations) {
-      for (std::int32_t o = e.linear.begin; o < e.linear.end; ++o) {
-        may_vanish_ = may_vanish_ || class_.linear[idx(o)].reg != class_.one();
-      }
-    }
-    for (const GroupClass::Gear& gear : class_.gears) may_vanish_ = may_vanish_ || !gear.is_periodic;
-  }
+  explicit SmallEquations(const GroupClass& group_class)
+      : class_(group_class), may_vanish_(terms_may_vanish(group_class)), equations_(group_class) {}
 
   template <class Source>
   HWY_INLINE void set_inputs(const Source& in) {
     equations_.set_inputs(coefficients(in), inputs(in, 0));
   }
-  // They are read where they are used.
-  template <class Source>
-  HWY_INLINE void set_rates(const Source&) {}
-  template <class Source>
-  HWY_INLINE void set_accelerations(const Source&) {}
   [[nodiscard]] HWY_INLINE bool has_gears() const { return !class_.gears.empty(); }
-  // True if all terms of an equation may vanish: unless each is a sum of squares and a constant, or an angle.
   [[nodiscard]] bool may_vanish() const { return may_vanish_; }
 
   template <class Source>
-  HWY_INLINE void evaluate(const Source& in, const Column& x, Values&, Column& phi) {
+  HWY_INLINE void evaluate(const Source& in, const Column& x, Column& phi) {
     for (int j = 0; j < N; ++j) equations_.values().set(idx(j), x[j]);
     equations_.evaluate(coefficients(in), into(phi));
   }
   template <class Source>
-  HWY_INLINE void differentiate(const Source& in, const Values&, Matrix& jacobian) const {
+  HWY_INLINE void differentiate(const Source& in, Matrix& jacobian) const {
     for (auto& row : jacobian) {
       for (L& entry : row) entry = L::set(0);
     }
@@ -68,15 +55,15 @@ class GeneralEquations {
     });
   }
   template <class Source>
-  HWY_INLINE void scale(const Source& in, const Column&, const Values&, Column& out) {
+  HWY_INLINE void scale(const Source& in, Column& out) {
     equations_.scale(coefficients(in), into(out));
   }
   template <class Source>
-  HWY_INLINE void velocity_rhs(const Source& in, const Column&, const Values&, Column& rhs) {
+  HWY_INLINE void velocity_rhs(const Source& in, Column& rhs) {
     equations_.velocity_rhs(coefficients(in), inputs(in, 1), into(rhs));
   }
   template <class Source>
-  HWY_INLINE void acceleration_rhs(const Source& in, const Column&, const Values&, const Column& rate, Column& rhs) {
+  HWY_INLINE void acceleration_rhs(const Source& in, const Column& rate, Column& rhs) {
     for (int j = 0; j < N; ++j) equations_.rates().set(idx(j), rate[j]);
     equations_.acceleration_rhs(coefficients(in), inputs(in, 2), into(rhs));
   }
@@ -101,7 +88,7 @@ class GeneralEquations {
   }
 
   const GroupClass& class_;
-  bool may_vanish_ = false;
+  bool may_vanish_;
   QuadraticEquations<L> equations_;
 };
 
