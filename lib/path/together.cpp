@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t up(std::size_t count, std::size_t to) { return (count + to - 1) / to; }
 
-// Some classes have no inputs, slopes or loads.
+// Some classes have no inputs, couplings or loads.
 double* at(LaneArray& numbers, std::size_t index) { return numbers.empty() ? nullptr : numbers.data() + index; }
 
 }  // namespace

@@ -13,7 +13,7 @@ namespace {
 
 std::string why_not(const GroupClass& c) {
   if (!can_take(Path::together, needs_of(c))) return "has an equation that is not quadratic";
-  if (c.n > lanes::kMostReserved) return "has " + std::to_string(c.n) + " unknowns";
+  if (c.n < 1 || c.n > lanes::kMostReserved) return "has " + std::to_string(c.n) + " unknowns";
   if (c.blocks != 1) return "can be divided further";
   return "";
 }

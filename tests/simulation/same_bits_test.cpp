@@ -18,6 +18,7 @@
 #include "simulation/random_count.hpp"
 #include "simulation/random_mechanisms.hpp"
 #include "simulation/same_run.hpp"
+#include "simulation/towers.hpp"
 
 namespace assur {
 namespace {
@@ -157,6 +158,8 @@ TEST(SameBits, ChainsTogether) {
                            "stewart:platforms=3", "slider_crank"}) {
     EXPECT_TRUE(expect_same_bits_together(shortened(sample(text)))) << text;
   }
+  EXPECT_TRUE(expect_same_bits_together(test::tower(2, 11, 3)));
+  EXPECT_TRUE(expect_same_bits_together(test::tower(3, 11, 1)));
 }
 
 TEST(SameBits, RandomMechanismsTogether) {

@@ -17,6 +17,7 @@
 #include "simulation/limited.hpp"
 #include "simulation/random_chains.hpp"
 #include "simulation/random_count.hpp"
+#include "simulation/towers.hpp"
 
 namespace assur {
 namespace {
@@ -185,58 +186,10 @@ TEST(Together, MovesTripodsAndLegsAsOtherStepsDo) {
   }
 }
 
-// Rigid platforms whose points lie on circles, on legs of driven lengths: three in the plane, six in space. The first
-// `coupled` of them stand on the platform below, the others on the ground.
-Scene tower(int dimension, int platforms, std::size_t coupled) {
-  SceneBuilder b("tower", dimension);
-  const int legs = dimension == 2 ? 3 : 6;
-  std::vector<std::string> below;
-  std::vector<Triple> at;
-  for (int k = 0; k <= platforms; ++k) {
-    const double level = 1.2 * k, size = 1 - 0.03 * k;
-    std::vector<std::string> points;
-    std::vector<Triple> here;
-    for (int leg = 0; leg < legs; ++leg) {
-      points.push_back("P" + std::to_string(k) + "_" + std::to_string(leg));
-      const double angle = std::numbers::pi * (dimension == 2 ? (2.0 * leg + k) / 3 : (leg + 0.7 * (leg % 2)) / 3.0);
-      here.push_back(dimension == 2 ? Triple{size * std::cos(angle), level + size * std::sin(angle), 0}
-                                    : Triple{size * std::cos(angle), size * std::sin(angle), level});
-      if (k == 0) {
-        b.fixed_point(points.back(), here.back());
-      } else {
-        b.point(points.back(), here.back());
-      }
-    }
-    if (k > 0) {
-      Body platform{"platform" + std::to_string(k)};
-      platform.rigid = points;
-      b.add(std::move(platform));
-      for (std::size_t leg = 0; leg < points.size(); ++leg) {
-        const std::size_t on = dimension == 2 ? leg : (leg + 1) % points.size();
-        std::string base = below[on];
-        if (leg >= coupled && k > 1) {
-          base = "G" + std::to_string(k) + "_" + std::to_string(leg);
-          b.fixed_point(base, at[on]);
-        }
-        double square = 0;
-        for (std::size_t i = 0; i < 3; ++i) {
-          const double way = here[leg][i] - at[on][i];
-          square += way * way;
-        }
-        const Law law = Law::harmonics({{0.002, 2.0 + 0.3 * k, 0.7 * static_cast<double>(leg)}}, std::sqrt(square));
-        b.drive("leg" + std::to_string(k) + "_" + std::to_string(leg), DrivenDistance{base, points[leg], law});
-      }
-    }
-    below = std::move(points);
-    at = std::move(here);
-  }
-  return b.time(0, 0.2, 0.002).build();
-}
-
 // Groups that need pivots.
 TEST(Together, MovesTowersAsLevelsDo) {
   for (const int dimension : {2, 3}) {
-    const Scene scene = tower(dimension, 11, dimension == 2 ? 3 : 1);
+    const Scene scene = test::tower(dimension, 11, dimension == 2 ? 3 : 1);
     std::int32_t most = 0;
     const Prepared prepared = prepare(scene, {kTogether, {}});
     for (const GroupClass& c : prepared.structure->classes) most = std::max(most, c.n);
@@ -334,13 +287,13 @@ TEST(Together, FixedIterationsAreSolvedLevelAfterLevel) {
 }
 
 TEST(Together, AllocatesNothing) {
-  for (const std::string text : {"four_bar:64", "stewart", "almost_parallelogram:delta=1e-4"}) {
-    const Scene scene = sample(text);
+  for (const Scene& scene : {sample("four_bar:64"), sample("stewart"), sample("almost_parallelogram:delta=1e-4"),
+                             test::tower(2, 11, 3), test::tower(3, 11, 1)}) {
     Simulator s = test::simulator(scene, kTogether);
     for (int k = 1; k <= 2; ++k) ASSERT_TRUE(s.step(scene.time().time(k)).arrived());
     const std::int64_t before = test::allocations();
     for (int k = 3; k <= 60; ++k) ASSERT_TRUE(s.step(scene.time().time(k)).arrived());
-    EXPECT_EQ(test::allocations() - before, 0) << text;
+    EXPECT_EQ(test::allocations() - before, 0) << scene.name();
   }
 }
 
@@ -350,7 +303,8 @@ TEST(Together, IsRefusedWithTheReason) {
     EXPECT_NE(text.find(part), text.npos) << text << "\nlacks: " << part;
   };
   says(refusal(stewart, "groups/lanes:8+together"), "group SG_T can be divided further; leave out +together");
-  says(refusal(tower(3, 2, 6), kTogether), "equations that read other groups, but group P2_0+P2_2+P2_4 has 6 of them");
+  says(refusal(test::tower(3, 2, 6), kTogether),
+       "equations that read other groups, but group P2_0+P2_2+P2_4 has 6 of them");
   says(refusal(chain, "irreducible/klu:8+together"), "needs the solver lanes without");
   says(refusal(chain, "irreducible/lanes:8+once+together"), "needs the solver lanes without");
   says(refusal(chain, "irreducible/lanes:2+together"), "takes 4, 8 or 16 lanes");
