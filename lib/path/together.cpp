@@ -274,6 +274,7 @@ void Together::choose_pivots(Class& c, const double* state) {
   }
   const auto all = static_cast<std::uint32_t>((std::uint64_t{1} << groups) - 1);
   c.has_pivots = false;
+  if (!std::all_of(jacobians.begin(), jacobians.end(), [](double x) { return std::isfinite(x); })) return;
   for (const lanes::PivotRule& rule : lanes::kRules) {
     const lanes::Order order = lanes::markowitz_order(pattern, jacobians, static_cast<int>(groups), all, rule);
     if (!order.complete(pattern.n) || order.served != all) continue;

@@ -418,12 +418,12 @@ class Check {
     require(plan.level_threads.empty() || plan.level_threads.size() == idx(structure_.levels), "the threads of levels");
     for (const Index p : plan.level_threads) require(0 < p && p <= plan.run.threads, "the threads of a level");
     require(plan.choices.size() == structure_.classes.size(), "the number of choices");
+    require(!plan.run.together || why_not_together(structure_).empty(), "the option together");
     for (std::size_t c = 0; c < plan.choices.size(); ++c) {
       part("choices", c);
       require(plan.choices[c].group_class == static_cast<Index>(c), "the class");
       require(plan.choices[c].origin <= Origin::prior, "the origin");
-      require(!plan.run.together || why_not_together(structure_, plan.strategy(plan.choices[c])).empty(),
-              "the option together");
+      require(!plan.run.together || why_not_together(plan.strategy(plan.choices[c])).empty(), "the option together");
     }
   }
   static bool has_text(const Strategy& strategy) {

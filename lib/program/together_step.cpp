@@ -235,13 +235,14 @@ Couplings couplings(const GroupClass& c, std::span<const std::uint8_t> computed)
   Couplings out;
   for (std::int32_t i = 0; i < c.n; ++i) {
     std::vector<std::uint8_t> reads(computed.size(), 0);
+    const auto read_input = [&](std::int32_t reg) {
+      if (reg >= c.n && reg < c.one()) reads[idx(reg - c.n)] = 1;
+    };
     const auto read = [&](std::int32_t reg) {
-      if (reg < c.one()) {
-        reads[idx(reg - c.n)] = 1;
-        return;
-      }
+      read_input(reg);
+      if (reg <= c.one()) return;
       const GroupClass::Form& f = c.forms[idx(reg - c.one() - 1)];  // the last registers, in order
-      for (std::int32_t o = f.moving; o < f.unknowns; ++o) reads[idx(c.operands[idx(o)].reg - c.n)] = 1;
+      for (std::int32_t o = f.moving; o < f.unknowns; ++o) read_input(c.operands[idx(o)].reg);
     };
     const GroupClass::Equation& e = c.equations[idx(i)];
     for (std::int32_t o = e.input_linear.begin; o < e.input_linear.end; ++o) read(c.input_linear[idx(o)].reg);

@@ -15,6 +15,7 @@
 #include "scene/shipped_files.hpp"
 #include "simulation/random_count.hpp"
 #include "simulation/same_run.hpp"
+#include "simulation/towers.hpp"
 
 namespace assur {
 namespace {
@@ -194,9 +195,11 @@ TEST(SavedPlan, EnsembleMembersShareALoadedPlan) {
 }
 
 TEST(SavedPlan, TheCoreAloneRunsALoadedPlan) {
-  const Prepared made = prepare(shortened(sample("stewart"), 40), {"irreducible/lanes:8"});
-  const Result original = run(made), alone = run(loaded(saved(made), {}));
-  expect_same_run(original, alone);
+  for (const Prepared& made : {prepare(shortened(sample("stewart"), 40), {"irreducible/lanes:8"}),
+                               prepare(test::tower(3, 11, 1), {"irreducible/lanes:8+together"})}) {
+    const Result original = run(made), alone = run(loaded(saved(made), {}));
+    expect_same_run(original, alone);
+  }
 }
 
 // The triangle has a redundant rod (see levels_test.cpp), and the redundant equation changes during the run.
@@ -380,12 +383,13 @@ TEST(SavedPlan, SurvivesTamperedNumbers) {
                                            "16", "255", "1000000", "2147483647", "-2147483648", "0.5", "1e300"};
   int refused = 0, accepted = 0;
   for (const auto& [scene, strategy] :
-       std::vector<std::pair<std::string, std::string>>{{"stewart", "irreducible/lanes:8"},
-                                                        {"four_bar:3", "groups/eigen:2+chunks=3 2x1"},
-                                                        {"andrews", "irreducible/lanes:4"},
-                                                        {"geared_five_bar", "groups/eigen"},
-                                                        {"slider_crank", "groups/eigen+predict=past:3"}}) {
-    const std::string text = saved(prepare(shortened(sample(scene), 5), {strategy, {}, ThreadBudget{2}}));
+       std::vector<std::pair<Scene, std::string>>{{sample("stewart"), "irreducible/lanes:8"},
+                                                  {sample("four_bar:3"), "groups/eigen:2+chunks=3 2x1"},
+                                                  {sample("andrews"), "irreducible/lanes:4"},
+                                                  {sample("geared_five_bar"), "groups/eigen"},
+                                                  {sample("slider_crank"), "groups/eigen+predict=past:3"},
+                                                  {test::tower(2, 3, 3), "irreducible/lanes:4+together"}}) {
+    const std::string text = saved(prepare(shortened(scene, 5), {strategy, {}, ThreadBudget{2}}));
     const auto numbers = numbers_of(text);
     ASSERT_GT(numbers.size(), 100u);
     for (int k = 0; k < test::random_count(150); ++k) {
