@@ -82,7 +82,7 @@ class SharedCode final : public StepCode {
       if (!step) return std::nullopt;
       if (!*step) return CodeOfClass{};
       std::optional<std::shared_ptr<const Executor>> anchor;
-      if (group_class.quadratic()) anchor = make(class_anchor(group_class, elimination), lanes);
+      if (group_class.quadratic()) anchor = make(class_anchor(group_class, elimination, reads), lanes);
       auto factors = make(class_factors(group_class, elimination), lanes);
       auto changes = make(class_changes(group_class, elimination), lanes);
       return CodeOfClass{std::move(*step), anchor.value_or(nullptr), factors.value_or(nullptr),

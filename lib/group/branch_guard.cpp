@@ -71,21 +71,16 @@ bool BranchGuard::tube_leads_here(const Pack& pack, double* const (&state)[3], s
 // Makes the posture the anchor of the next steps in the lanes of changes_. Fails if it is so close to a singular
 // posture that rounding decides about the branch.
 Status BranchGuard::set_anchor(Pack& pack, double* const (&state)[3], std::int32_t b, const Attempt& attempt,
-                               Counters& counters, const BlockConditions::Norms* known) {
+                               Counters& counters) {
   counters.branch_checks += std::count(changes_.begin(), changes_.begin() + pack.used, 1);
   const std::size_t w = idx(work_.lanes);
   using Factors = JacobianSolver::Factors;
-  if (known != nullptr) {
-    std::copy_n(known->omega, w, omega_.begin());
-    std::copy_n(known->scale, w, posture_errors_.begin());
-  } else {
-    if (solver_.factors() != Factors::solution && blocks_.needs_solver(b, work_.jacobian.data(), changes_)) {
-      (void)solver_.factorize(pack, Factors::solution, counters);
-    }
-    work_.evaluator->scale(work_.scale.data());
-    blocks_.measure(b, work_.jacobian.data(), {pack.lipschitz.data(), work_.scale.data()}, solver_.at_hand(),
-                    {omega_.data(), posture_errors_.data()}, changes_);
+  if (solver_.factors() != Factors::solution && blocks_.needs_solver(b, work_.jacobian.data(), changes_)) {
+    (void)solver_.factorize(pack, Factors::solution, counters);
   }
+  work_.evaluator->scale(work_.scale.data());
+  blocks_.measure(b, work_.jacobian.data(), {pack.lipschitz.data(), work_.scale.data()}, solver_.at_hand(),
+                  {omega_.data(), posture_errors_.data()}, changes_);
   if (attempt.branch == Attempt::Branch::inside) {
     for (std::int32_t l = 0; l < pack.used; ++l) {
       if (changes_[idx(l)] == 0) continue;
@@ -161,8 +156,7 @@ bool BranchGuard::stays_inside(double used, double& before) {
   return lasts;
 }
 
-Status BranchGuard::check(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters,
-                          const BlockConditions::Norms* known) {
+Status BranchGuard::check(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters) {
   if (!work_.group_class.quadratic()) return {};
   blocks_.forget_inverse();
   const double* x = state[0] + pack.unknowns;
@@ -178,7 +172,7 @@ Status BranchGuard::check(Pack& pack, double* const (&state)[3], const Attempt& 
       }
       if (std::find(changes_.begin(), changes_.end(), 1) == changes_.end()) continue;
     }
-    if (const Status s = set_anchor(pack, state, b, attempt, counters, known); !s.ok()) return s;
+    if (const Status s = set_anchor(pack, state, b, attempt, counters); !s.ok()) return s;
   }
   return {};
 }

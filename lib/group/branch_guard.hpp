@@ -29,10 +29,7 @@ class BranchGuard {
 
   // Tests the solved posture in the workspace, with its rates: ok if it is inside the ball, or if a tube leads to it.
   // Each lane decides for itself: if its ball is used up or was not measured yet, its posture becomes the anchor.
-  // known: of a class with one block, what BlockConditions::measure() would find; the workspace then needs only the
-  // inputs, if no lane has left its ball
-  [[nodiscard]] Status check(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters,
-                             const BlockConditions::Norms* known = nullptr);
+  [[nodiscard]] Status check(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters);
 
   // True if the next step of this length stays inside the ball, too; `before`, the used part of the ball, then becomes
   // `used`.
@@ -46,7 +43,7 @@ class BranchGuard {
   [[nodiscard]] bool tube_leads_here(const Pack& pack, double* const (&state)[3], std::int32_t block, int lane,
                                      double seconds);
   [[nodiscard]] Status set_anchor(Pack& pack, double* const (&state)[3], std::int32_t block, const Attempt& attempt,
-                                  Counters& counters, const BlockConditions::Norms* known);
+                                  Counters& counters);
   void move_anchor(Pack& pack, const double* const (&state)[3], std::int32_t block, std::size_t lane, double time);
 
   Workspace& work_;

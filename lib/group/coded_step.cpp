@@ -1,7 +1,6 @@
 // The ordinary step of a group as a program (program/group_step.hpp, program/class_step.hpp) that an executor runs.
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <memory>
 #include <utility>
 
@@ -22,7 +21,6 @@ class CodedStep final : public SmallStep {
   [[nodiscard]] bool run(const Pack& pack, double* const (&state)[3], int most_iterations, double converged,
                          SmallStepFigures& figures) override;
   [[nodiscard]] const double* renew_anchors(Pack& pack, double* const (&state)[3], double time) override;
-  [[nodiscard]] const BlockConditions::Norms* norms() const override { return knows_norms_ ? &norms_ : nullptr; }
 
  private:
   [[nodiscard]] const double* row(GroupFigure f) const {
@@ -35,8 +33,6 @@ class CodedStep final : public SmallStep {
   std::array<LaneArray, 3> inputs_;                 // [d]: d-th derivatives of the inputs, inputs x W
   std::array<double, kGroupSettings> settings_{};
   LaneArray values_, figures_;  // memory of the code, rows x W
-  BlockConditions::Norms norms_{};
-  bool knows_norms_ = false;
   std::array<double*, kMemories> memory_{};
 };
 
@@ -95,22 +91,10 @@ bool CodedStep::run(const Pack& pack, double* const (&state)[3], int most_iterat
 }
 
 const double* CodedStep::renew_anchors(Pack& pack, double* const (&)[3], double time) {
-  if (!anchors_) {
-    const double* const used = row(GroupFigure::ball_used);
-    knows_norms_ = pack.machine_code.anchor != nullptr &&
-                   std::all_of(used, used + work_.lanes, [](double part) { return part <= kBall; });
-    if (knows_norms_) {
-      pack.machine_code.anchor->run(memory_);
-      const double* const failed = row(GroupFigure::failed);
-      knows_norms_ =
-          std::all_of(failed, failed + work_.lanes, [](double f) { return f <= 0; }) &&
-          std::all_of(values_.data(), values_.data() + 2 * work_.lanes, [](double x) { return std::isfinite(x); });
-      norms_ = {values_.data(), values_.data() + work_.lanes};
-    }
-    return row(GroupFigure::needs_anchor);
-  }
+  const Executor* const anchors = code_ ? anchors_.get() : pack.machine_code.anchor.get();
+  if (anchors == nullptr) return row(GroupFigure::needs_anchor);
   settings_[slot_of(GroupSetting::time).index] = time;
-  anchors_->run(memory_);
+  anchors->run(memory_);
   return row(GroupFigure::failed);
 }
 

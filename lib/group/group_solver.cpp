@@ -233,16 +233,11 @@ Status GroupSolver::finish_small_step(Pack& pack, double* const (&state)[3], con
     any = any || failed[l] > 0;
     counters.branch_checks += failed[l] > 0 ? 0 : 1;
   }
-  return any ? renew_anchor(pack, state, attempt, counters, anchors.norms()) : Status{};
+  return any ? renew_anchor(pack, state, attempt, counters) : Status{};
 }
 
-Status GroupSolver::renew_anchor(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters,
-                                 const BlockConditions::Norms* known) {
+Status GroupSolver::renew_anchor(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters) {
   pack.keep_anchor(attempt.number);
-  if (known != nullptr) {
-    work_.gather(pack, state[0], work_.inputs);
-    return guard_.check(pack, state, attempt, counters, known);
-  }
   work_.set_inputs(pack, state[0]);
   work_.evaluate(state[0] + pack.unknowns);
   return guard_.check(pack, state, attempt, counters);

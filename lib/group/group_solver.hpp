@@ -78,9 +78,7 @@ class GroupSolver {
                                          StepErrors& errors);
   // For a pack that another step solved: makes the posture of each lane whose next step may leave its ball the anchor.
   // Fails if a posture is not known to be on the branch.
-  // known: see BranchGuard::check()
-  [[nodiscard]] Status renew_anchor(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters,
-                                    const BlockConditions::Norms* known = nullptr);
+  [[nodiscard]] Status renew_anchor(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters);
   // Relative residual of a solved pack, as exactly as it can be measured.
   [[nodiscard]] double residual_of(const Pack& pack, const double* state) { return step_.residual_of(pack, state); }
   // The nonzeros of the Jacobian of a pack x W, until the next call.

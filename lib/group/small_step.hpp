@@ -32,8 +32,6 @@ class AnchorStep {
   // After a step of this pack in which no lane failed: see renew_anchors() (program/anchor-inl.hpp). time: of the step,
   // s. Returns W numbers, positive for lanes that need an anchor and have none.
   [[nodiscard]] virtual const double* renew_anchors(Pack& pack, double* const (&state)[3], double time) = 0;
-  // Of a class step, which makes no anchors: what BlockConditions::measure() would find at its posture. Null: unknown
-  [[nodiscard]] virtual const BlockConditions::Norms* norms() const { return nullptr; }
 };
 
 // The step of the packs of one class.
@@ -55,7 +53,7 @@ class SmallStep : public AnchorStep {
 [[nodiscard]] std::unique_ptr<SmallStep> make_coded_step(const Workspace& work, const BlockConditions& blocks,
                                                          StepCode& code);
 // Runs Pack::machine_code of a class that has a class_step(). Where a lane fails, all lanes must be solved again. The
-// test of the first correction and new anchors are left to the general path.
+// test of the first correction is left to the general path.
 [[nodiscard]] std::unique_ptr<SmallStep> make_class_step(const Workspace& work);
 
 }  // namespace assur

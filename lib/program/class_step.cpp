@@ -6,6 +6,7 @@
 
 #include "equations/quadratic_equations-inl.hpp"
 #include "index.hpp"
+#include "program/anchor-inl.hpp"
 #include "program/graph.hpp"
 #include "program/group_slots.hpp"
 #include "program/group_tests-inl.hpp"
@@ -84,23 +85,20 @@ class Writer {
 
   [[nodiscard]] StepProgram anchor() {
     Equations equations(class_);
-    Values phi, jacobian, scale(n_), of_lipschitz(n_), of_scale(n_);
+    Values phi, jacobian, scale(n_);
     evaluate(equations, predicted(equations), phi, jacobian);
     equations.scale(coefficients(), into(scale));
-    GroupSlots io = slots();
-    io.store(Memory::figures, static_cast<std::size_t>(GroupFigure::failed), linear_.factorize(jacobian));
+    const Value poor = linear_.factorize(jacobian);
+    std::vector<Values> columns;
     for (std::size_t e = 0; e < n_; ++e) {
       Values unit(n_);
       unit[e] = kAll;
-      const Values column = linear_.solve(unit);
-      const Value lipschitz = io.load(Memory::lipschitz, e);
-      for (std::size_t r = 0; r < n_; ++r) {
-        of_lipschitz[r] = of_lipschitz[r] + abs(column[r]) * lipschitz;
-        of_scale[r] = of_scale[r] + abs(column[r]) * scale[e];
-      }
+      columns.push_back(linear_.solve(unit));
     }
-    io.store(Memory::work, 0, largest_of(of_lipschitz));
-    io.store(Memory::work, 1, largest_of(of_scale));
+    GroupSlots io = slots();
+    HWY_NAMESPACE::renew_anchors<Value>(
+        io, class_.n, class_.derivatives, reads_, scale, [&](int r, int c) { return columns[idx(c)][idx(r)]; }, poor,
+        [&](std::size_t k) { return equations.value(reads_[k]); });
     return {{graph_.phase()}, {}};
   }
 
@@ -293,8 +291,9 @@ bool has_class_step(const GroupClass& c) {
          !has_group_step(c);
 }
 
-StepProgram class_anchor(const GroupClass& group_class, const lanes::Elimination& elimination) {
-  return Writer(group_class, elimination, {}).anchor();
+StepProgram class_anchor(const GroupClass& group_class, const lanes::Elimination& elimination,
+                         std::span<const std::int32_t> reads) {
+  return Writer(group_class, elimination, reads).anchor();
 }
 
 // The step factorises three times; a product is two numbers.

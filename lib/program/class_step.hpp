@@ -37,10 +37,9 @@ namespace assur {
 // Changes of the unknowns, in Memory::rates, that follow from changes of the inputs, in Memory::input_rates, to first
 // order: J dq = -Phi_h dh. GroupFigure::failed is raised.
 [[nodiscard]] StepProgram class_changes(const GroupClass& group_class, const lanes::Elimination& elimination);
-// For a new anchor at a posture, if the equations are quadratic: | |J^-1| k |_inf with the Lipschitz constants k, and |
-// |J^-1| s |_inf with the scales s of the equations, as BlockConditions::measure() finds them, in Memory::work.
-// GroupFigure::failed as above.
-[[nodiscard]] StepProgram class_anchor(const GroupClass& group_class, const lanes::Elimination& elimination);
+// What follows a step after which a lane needs an anchor, if the equations are quadratic: see anchor_program().
+[[nodiscard]] StepProgram class_anchor(const GroupClass& group_class, const lanes::Elimination& elimination,
+                                       std::span<const std::int32_t> reads);
 
 // Numbers that class_factors() and class_changes() have in Memory::work, at most.
 [[nodiscard]] std::size_t work_of_changes(const GroupClass& group_class);
