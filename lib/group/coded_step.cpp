@@ -92,7 +92,10 @@ bool CodedStep::run(const Pack& pack, double* const (&state)[3], int most_iterat
 
 const double* CodedStep::renew_anchors(Pack& pack, double* const (&)[3], double time) {
   const Executor* const anchors = code_ ? anchors_.get() : pack.machine_code.anchor.get();
-  if (anchors == nullptr) return row(GroupFigure::needs_anchor);
+  const double *const needs = row(GroupFigure::needs_anchor), *const used = row(GroupFigure::ball_used);
+  bool any_inside = false;
+  for (int l = 0; l < work_.lanes; ++l) any_inside = any_inside || (needs[l] > 0 && used[l] <= kBall);
+  if (anchors == nullptr || !any_inside) return needs;
   settings_[slot_of(GroupSetting::time).index] = time;
   anchors->run(memory_);
   return row(GroupFigure::failed);
