@@ -1,6 +1,6 @@
-// New anchors: what BranchGuard does with one group after the other, for the lanes of a step. Each lane
-// for itself, in the text that writes programs as well, see SmallGroup. Included once for each target, inside its
-// HWY_NAMESPACE (see Highway, "foreach_target.h").
+// New anchors: what BranchGuard does with one group after the other, for the lanes of a step. Each lane for itself, in
+// the text that writes programs as well, see SmallGroup. Included once for each target, inside its HWY_NAMESPACE (see
+// Highway, "foreach_target.h").
 #if defined(ASSUR_ANCHOR_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef ASSUR_ANCHOR_INL
 #undef ASSUR_ANCHOR_INL

@@ -206,6 +206,23 @@ TEST(ProgramSharing, GroupsOfAClassFillTheSameSlots) {
   }
 }
 
+TEST(Coefficients, OnlySquaresAndAnglesNeverVanishTogether) {
+  GroupClass distance;
+  distance.n = 2;
+  distance.products = {{0, 0, 0}, {0, 1, 1}};
+  distance.linear = {{1, distance.one()}};
+  EXPECT_FALSE(terms_may_vanish(distance));
+  GroupClass slides = distance, turns = distance, rack = distance, dot = distance;
+  slides.linear.push_back({0, 0});
+  EXPECT_TRUE(terms_may_vanish(slides));
+  dot.products.push_back({0, 0, 1});
+  EXPECT_TRUE(terms_may_vanish(dot));
+  turns.gears.emplace_back().is_periodic = true;
+  EXPECT_FALSE(terms_may_vanish(turns));
+  rack.gears.emplace_back().is_periodic = false;
+  EXPECT_TRUE(terms_may_vanish(rack));
+}
+
 TEST(ProgramSharing, LanesAreOfFiveSizes) {
   const Structure s = structure(sample("four_bar"), groups);
   for (const int bad : {0, 3, 5, 32, -1})
