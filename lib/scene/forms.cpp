@@ -80,13 +80,13 @@ System Forms::finish() {
 // ---- constants and forms
 
 Index Forms::internal_constant(const Exact& exact) {
-  rests_.push_back(exact.rest);
+  rest_origins_.add(rests_, exact.rest);
   sizes_.push_back(exact.size);
   return s_.add_constant(exact.value);
 }
 
 Forms::Exact Forms::exact(Index constant) const {
-  return {s_.constant(constant), rests_[idx(constant)], sizes_[idx(constant)]};
+  return {s_.constant(constant), rest_origins_.of(rests_, constant), sizes_[idx(constant)]};
 }
 
 Index Forms::constant(const Number& value, int power, double size) {

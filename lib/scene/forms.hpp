@@ -104,7 +104,8 @@ class Forms {
   System s_;
   std::pmr::monotonic_buffer_resource names_;  // freed as a whole, because millions of small pieces would leave gaps
   std::pmr::unordered_map<std::string, Index> item_of_{&names_};
-  std::vector<Number> rests_;  // rounding error of each constant
+  std::vector<double> rests_;  // rounding error of each constant
+  Origins rest_origins_;
   std::vector<double> sizes_;  // magnitude of the numbers that each constant is computed from
   Index row_ = 0;
 };

@@ -186,6 +186,28 @@ struct Bound {
 // "rad", "m", "1", "m^2"
 [[nodiscard]] std::string unit_of(const MeasureForms& measure);
 
+// Origins of the numbers in an array that follow from parameters of a table: few do, and a scene may have millions of
+// numbers.
+class Origins {
+ public:
+  [[nodiscard]] Number of(const std::vector<double>& values, Index i) const {
+    const double value = values[static_cast<std::size_t>(i)];
+    if (origins_.empty()) return value;
+    const auto found = origins_.find(i);
+    return found != origins_.end() ? found->second : Number(value);
+  }
+  // Appends a number. Returns its place.
+  Index add(std::vector<double>& values, const Number& value) {
+    const auto i = static_cast<Index>(values.size());
+    values.push_back(value.value());
+    if (value.has_origin()) origins_.emplace(i, value);
+    return i;
+  }
+
+ private:
+  std::unordered_map<Index, Number> origins_;
+};
+
 class System {
  public:
   std::shared_ptr<const Scene> scene;  // null if load_plan() made this; then only the members below exist
@@ -223,10 +245,10 @@ class System {
     return {products.data() + e.products_begin, products.data() + e.products_end};
   }
   // Constants and guesses with their origins, and what adds them.
-  [[nodiscard]] Number constant(Index c) const { return with_origin(constants, constant_origins_, c); }
-  [[nodiscard]] Number guess_of(Index coordinate) const { return with_origin(guess, guess_origins_, coordinate); }
-  Index add_constant(const Number& value) { return add(constants, constant_origins_, value); }
-  void add_guess(const Number& value) { (void)add(guess, guess_origins_, value); }
+  [[nodiscard]] Number constant(Index c) const { return constant_origins_.of(constants, c); }
+  [[nodiscard]] Number guess_of(Index coordinate) const { return guess_origins_.of(guess, coordinate); }
+  Index add_constant(const Number& value) { return constant_origins_.add(constants, value); }
+  void add_guess(const Number& value) { guess_origins_.add(guess, value); }
 
   // Fills by_name; to be called after all items were added.
   void index_names();
@@ -245,20 +267,6 @@ class System {
   [[nodiscard]] double unit(int power) const;
 
  private:
-  using Origins = std::unordered_map<Index, Number>;  // of the numbers that follow from parameters of a table
-  static Number with_origin(const std::vector<double>& values, const Origins& origins, Index i) {
-    const double value = values[static_cast<std::size_t>(i)];
-    if (origins.empty()) return value;
-    const auto found = origins.find(i);
-    return found != origins.end() ? found->second : Number(value);
-  }
-  static Index add(std::vector<double>& values, Origins& origins, const Number& value) {
-    const auto i = static_cast<Index>(values.size());
-    values.push_back(value.value());
-    if (value.has_origin()) origins.emplace(i, value);
-    return i;
-  }
-
   Origins constant_origins_, guess_origins_;
 };
 
