@@ -206,19 +206,16 @@ class Simulator {
   // rows that were reached; report() has the status. The simulator then stands at the last row, or after a failure at
   // the last good posture, which may be later; step() may go on from there. Exceptions from laws, callbacks and the
   // observer propagate. Throws Error (environment) if there is no memory for the rows.
-  //
-  // A large mechanism (tens of thousands of unknowns) that falls into independent parts is run part after part, without
-  // an observer; the last bits of its motion may then differ from those of single steps.
   Trajectory run(const Observer& observer = {});
   // The same over `times` (s). It first moves from the start posture to times[0], which may be any time. Equal times
   // give equal rows, and no times give no rows. Throws also Error (input) if they descend or are not finite.
   Trajectory run(std::span<const double> times, const Observer& observer = {});
 
   // Runs as run() does, and gives rows to `sink` instead of keeping them, so that the memory does not grow with the
-  // number of times: a block has at most 1,024 rows, or RowSelection::block if that is less. The run uses no chunks and
-  // is not divided into independent parts, else rows are those of run(), bit by bit. Returns the number of rows that
-  // were reached, including those that are not selected; report() has the status. Throws as run(), and Error (input)
-  // for an unknown column, an empty sink, or a number that is 0 in `selection`.
+  // number of times: a block has at most 1,024 rows, or RowSelection::block if that is less. The run uses no chunks,
+  // else rows are those of run(), bit by bit. Returns the number of rows that were reached, including those that are not
+  // selected; report() has the status. Throws as run(), and Error (input) for an unknown column, an empty sink, or a
+  // number that is 0 in `selection`.
   std::size_t stream(const RowSelection& selection, const RowSink& sink, const Observer& observer = {});
   // The same over `times` (s).
   std::size_t stream(const RowSelection& selection, const RowSink& sink, std::span<const double> times,
@@ -274,7 +271,6 @@ class Simulator {
   template <class TimeOf>
   std::size_t stream(const RowSelection& selection, const RowSink& sink, std::size_t count, const TimeOf& time_of,
                      const Observer& observer);
-  [[nodiscard]] bool run_in_parts(std::span<const double> times, Trajectory& out, std::string& refused);
   [[nodiscard]] bool run_in_chunks(std::span<const double> times, const Observer& observer, Trajectory& out);
   friend std::vector<double> posture_of(const Simulator& simulator);  // for use inside the library
   friend Status step_of_run(Simulator& simulator, double t);          // the same: as step(t), but keeps all events

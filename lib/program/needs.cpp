@@ -21,8 +21,6 @@ constexpr Needs supplied_by(Path path) {
       return {limits, choices, rest, targets, deadline, functions_in_laws};
     case Path::chunks:
       return {choices, rest, targets, functions_in_laws};
-    case Path::parts:
-      return {};
     case Path::ensemble:
       return {proofs, limits, choices, rest, targets, functions_in_laws, functions_in_equations};
     case Path::table:

@@ -42,7 +42,6 @@ enum class Path : std::uint8_t {
   step_program,   // a step of a group as a program of its own
   together,       // the groups of all levels at once
   chunks,         // pieces of a time grid side by side
-  parts,          // independent parts of a mechanism, one after the other
   ensemble,       // members side by side
   table,          // members whose numbers follow from a row of values
   walk_in_lanes,  // walks of such members to their starts

@@ -1,4 +1,4 @@
-// Runs of a simulator: over a grid or given times, in parts, in chunks, with rows for a sink.
+// Runs of a simulator: over a grid or given times, in chunks, with rows for a sink.
 #include <algorithm>
 #include <optional>
 #include <utility>
@@ -8,7 +8,6 @@
 #include "side_by_side/chunks.hpp"
 #include "side_by_side/memory.hpp"
 #include "side_by_side/row_takers.hpp"
-#include "side_by_side/run_in_parts.hpp"
 #include "simulation/run_arguments.hpp"
 #include "simulation/simulator_impl.hpp"
 
@@ -38,10 +37,7 @@ Trajectory Simulator::run(std::span<const double> times, const Observer& observe
   Trajectory out;
   out.columns_ = impl_->columns;
   check_memory(times.size(), out.columns_.size() + 1);
-  std::string refused;
-  if (!observer && run_in_parts(times, out, refused)) return out;
   reset();
-  if (!refused.empty()) impl_->report.fallbacks.push_back("not run in independent parts: " + refused);
   if (impl_->prepared.plan.run.chunks > 1 && run_in_chunks(times, observer, out)) return out;
   out.values_.reserve(times.size() * out.columns_.size());
   out.times_.reserve(times.size());
@@ -100,39 +96,6 @@ std::size_t Simulator::stream(const RowSelection& selection, const RowSink& sink
   check_times(times);
   return stream(
       selection, sink, times.size(), [&](std::size_t k) { return times[k]; }, observer);
-}
-
-// False if the mechanism has no independent parts, or if the run must begin anew, with the reason.
-bool Simulator::run_in_parts(std::span<const double> times, Trajectory& out, std::string& refused) {
-  try {
-    std::optional<RunInParts> run = assur::run_in_parts(impl_->prepared, impl_->limits, times, columns().size());
-    if (!run) return false;
-    refused = run->refused;
-    if (!refused.empty()) return false;
-    const double first_time = impl_->prepared.start_time.value_or(impl_->prepared.time.start);
-    impl_->start(times.back(), run->posture);
-    if (!impl_->doubt.ok()) {
-      refused = "the accuracy of the last posture is in doubt";
-      return false;
-    }
-    impl_->stands_at(std::span(run->values).last(columns().size()));
-    Report& report = impl_->report;
-    report = {};
-    impl_->events.clear();
-    report.counters = run->totals.counters;
-    report.counters.steps = static_cast<std::int64_t>(times.size()) - (times[0] == first_time ? 1 : 0);
-    report.counters.stored_values = static_cast<std::int64_t>(run->values.size());
-    report.error = impl_->earlier_error = run->totals.error;
-    report.reached = times.back();
-    impl_->earlier_effort = run->totals.effort;
-    out.values_ = std::move(run->values);
-    out.times_.assign(times.begin(), times.end());
-    return true;
-  } catch (const Error& e) {
-    if (e.kind() != Error::Kind::numerical) throw;
-    refused = e.what();
-    return false;
-  }
 }
 
 // False if chunks are not possible. The reason is reported, and nothing else changes.

@@ -49,13 +49,12 @@ TEST(Needs, AreThoseOfTheScene) {
 }
 
 TEST(Needs, APathIsRefusedForTheFirstOneThatItDoesNotSupply) {
-  EXPECT_EQ(why_not(Path::parts, {}), "");
+  EXPECT_EQ(why_not(Path::chunks, {}), "");
   EXPECT_EQ(why_not(Path::chunks, {Need::deadline, Need::limits}), "limits are followed from step to step");
   EXPECT_EQ(why_not(Path::chunks, {Need::choices}), "");
   EXPECT_EQ(why_not(Path::table, {Need::choices}), "the scene has redundant equations");
   EXPECT_FALSE(can_take(Path::together, Need::proofs));
   EXPECT_TRUE(can_take(Path::step_program, Need::proofs));
-  for (int i = 0; i < kNeeds; ++i) EXPECT_FALSE(can_take(Path::parts, static_cast<Need>(i)));
 }
 
 }  // namespace
