@@ -91,8 +91,8 @@ struct Prepared {
   std::optional<double> start_time = std::nullopt;  // time of structure->start, s; empty: time.start
   std::vector<double> start_limits = {};  // for the library: limited quantities at start_time; empty: not known yet
   // For use inside the library. Prepares the scene again with redundant equations chosen at a posture, see
-  // StructureOptions. Empty if the scene has no redundant equations, or if load_plan() made this. Throws like
-  // prepare().
+  // StructureOptions. The plan stays: each class is solved as the one nearest in size was. Empty if the scene has no
+  // redundant equations, or if load_plan() made this. Throws like prepare().
   std::function<Prepared(std::vector<double> posture, double time, std::vector<std::int32_t> checked)> reselect;
   std::shared_ptr<StepCode> code = nullptr;  // for use inside the library; null: without machine code
 };

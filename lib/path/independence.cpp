@@ -162,9 +162,10 @@ std::vector<Index> Independence::chosen_anew(std::span<const double> coordinates
     }
   }
   const Eigen::MatrixXd scaled = scaled_rows(std::move(jacobian));
-  if (factored(scaled.transpose()).rank() != columns) return {};
+  const RowQr qr = factored(scaled.transpose());
+  if (qr.rank() != columns) return {};
   std::vector<Index> out;
-  const std::vector<Eigen::Index> order = independent_first(scaled, columns);
+  const std::vector<Eigen::Index> order = independent_first(scaled, qr, columns);
   for (std::size_t k = static_cast<std::size_t>(columns); k < order.size(); ++k) {
     out.push_back(rows[static_cast<std::size_t>(order[k])]->equation);
   }

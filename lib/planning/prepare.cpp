@@ -156,6 +156,12 @@ void check_together(const Structure& s, const Strategy& wanted) {
               "strategy " + to_string(wanted) + " cannot run here: " + why_not + "; leave out +together");
 }
 
+// The size of a class, without counts of operations.
+Shape size_of(const Structure& s, std::int32_t group_class, std::int32_t groups) {
+  const GroupClass& c = s.classes[static_cast<std::size_t>(group_class)];
+  return {.n = c.n, .nnz = s.pattern(group_class).nnz(), .groups = groups, .rhs = 1 + c.derivatives};
+}
+
 // The plan for a strategy text, which holds for every class.
 Plan forced_plan(const Structure& s, const Strategy& wanted, const PrepareOptions& options) {
   Plan plan;
@@ -170,10 +176,7 @@ Plan forced_plan(const Structure& s, const Strategy& wanted, const PrepareOption
     choice.group_class = static_cast<std::int32_t>(c);
     // Only shares of unequal packs need the counts of operations.
     choice.shape = wanted.run.threads > 1 ? shape_of(s.classes[c], sizes[c].groups)
-                                          : Shape{.n = s.classes[c].n,
-                                                  .nnz = s.pattern(choice.group_class).nnz(),
-                                                  .groups = sizes[c].groups,
-                                                  .rhs = 1 + s.classes[c].derivatives};
+                                          : size_of(s, choice.group_class, sizes[c].groups);
     choice.solver = wanted.solver;
     choice.threads = wanted.run.threads;
     choice.reason = "forced";
@@ -237,6 +240,27 @@ std::optional<Choice> choice_like(const Prepared& like, const Scene& scene, cons
   return choice;
 }
 
+// The same scene with another independent set of its equations: each class is solved as the one nearest in size was.
+Choice choice_again(const Scene& scene, const PrepareOptions& options, const KnownStart& start, const Structure& before,
+                    const Plan& plan) {
+  Choice again{structure_for(scene, options, before.formulation, plan.run.predictor, start), plan};
+  const Structure& s = *again.structure;
+  if (s.levels != before.levels) again.plan.level_threads.clear();
+  again.plan.choices.clear();
+  const std::vector<ClassSize> sizes = class_sizes(s);
+  for (std::size_t c = 0; c < s.classes.size(); ++c) {
+    const auto distance = [&](const Plan::Choice& to) { return std::abs(to.shape.n - s.classes[c].n); };
+    Plan::Choice choice =
+        *std::min_element(plan.choices.begin(), plan.choices.end(),
+                          [&](const Plan::Choice& a, const Plan::Choice& b) { return distance(a) < distance(b); });
+    choice.group_class = static_cast<std::int32_t>(c);
+    choice.shape = size_of(s, choice.group_class, sizes[c].groups);
+    if (!why_not_together(s, again.plan.strategy(choice)).empty()) again.plan.run.together = false;
+    again.plan.choices.push_back(std::move(choice));
+  }
+  return again;
+}
+
 // Puts the parts together. is_first: the functions of the scene must be checked.
 Prepared finished(const Scene& scene, const PrepareOptions& options, Choice& choice, bool is_first) {
   if (is_first) {
@@ -251,9 +275,12 @@ Prepared finished(const Scene& scene, const PrepareOptions& options, Choice& cho
   out.table = backends();
   if (options.machine_code) out.code = step_code();
   out.plan = std::move(choice.plan);
-  if (!choice.structure->redundant.empty()) {
-    out.reselect = [scene, options](std::vector<double> at, double t, std::vector<std::int32_t> checked) {
-      return prepare_at(scene, options, {std::move(at), t, false, AtRest::left_out, std::move(checked)});
+  if (!choice.structure->redundant.empty() && !out.plan.choices.empty()) {
+    out.reselect = [scene = out.scene, options, plan = out.plan, before = choice.structure](
+                       std::vector<double> at, double t, std::vector<std::int32_t> checked) {
+      const KnownStart start{std::move(at), t, false, AtRest::left_out, std::move(checked)};
+      Choice again = choice_again(*scene, options, start, *before, plan);
+      return finished(*scene, options, again, false);
     };
   }
   out.structure = std::move(choice.structure);

@@ -44,9 +44,8 @@ RowQr factored(const Eigen::MatrixXd& a) {
   return qr;
 }
 
-std::vector<Eigen::Index> independent_first(const Eigen::MatrixXd& a, Eigen::Index rank,
+std::vector<Eigen::Index> independent_first(const Eigen::MatrixXd& a, const RowQr& rows, Eigen::Index rank,
                                             std::span<const Eigen::Index> rather_last) {
-  const RowQr rows = factored(a.transpose());
   std::vector<Eigen::Index> order(rows.colsPermutation().indices().begin(), rows.colsPermutation().indices().end());
   if (static_cast<Eigen::Index>(rather_last.size()) == a.rows() - rank) {
     std::stable_partition(order.begin(), order.end(), [&](Eigen::Index row) {

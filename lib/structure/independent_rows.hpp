@@ -19,9 +19,10 @@ using RowQr = Eigen::ColPivHouseholderQR<Eigen::MatrixXd>;
 [[nodiscard]] RowQr factored(const Eigen::MatrixXd& matrix);
 
 // All rows of a scaled matrix of this rank: first independent ones, such that the others are combinations of them with
-// coefficients of at most kMostCoefficient; then the others in ascending order. rather_last: the choice begins with
-// these others, if there are as many as needed.
-[[nodiscard]] std::vector<Eigen::Index> independent_first(const Eigen::MatrixXd& scaled, Eigen::Index rank,
+// coefficients of at most kMostCoefficient; then the others in ascending order. rows: the transposed matrix, factored.
+// rather_last: the choice begins with these others, if there are as many as needed.
+[[nodiscard]] std::vector<Eigen::Index> independent_first(const Eigen::MatrixXd& scaled, const RowQr& rows,
+                                                          Eigen::Index rank,
                                                           std::span<const Eigen::Index> rather_last = {});
 
 }  // namespace assur

@@ -95,10 +95,14 @@ RankStudy study_rank(const System& s, std::span<const Index> equations, std::spa
   std::vector<Eigen::MatrixXd> postures;
   for (const std::vector<double>& posture : at) postures.push_back(scaled_rows(block.jacobian(posture)));
   std::size_t best = 0;
-  std::vector<Eigen::Index> rank;
-  for (std::size_t i = 0; i < postures.size(); ++i) {
-    rank.push_back(factored(postures[i].transpose()).rank());
-    if (rank[i] > rank[best]) best = i;
+  Qr rows = factored(postures[0].transpose());  // at the best posture
+  std::vector<Eigen::Index> rank = {rows.rank()};
+  for (std::size_t i = 1; i < postures.size(); ++i) {
+    Qr here = factored(postures[i].transpose());
+    rank.push_back(here.rank());
+    if (rank[i] <= rank[best]) continue;
+    best = i;
+    rows = std::move(here);
   }
   out.rank = static_cast<Index>(rank[best]);
   out.singular_start = rank[0] < rank[best];
@@ -108,7 +112,7 @@ RankStudy study_rank(const System& s, std::span<const Index> equations, std::spa
     const Index e = equations[static_cast<std::size_t>(row)];
     if (std::find(rather_dropped.begin(), rather_dropped.end(), e) != rather_dropped.end()) rather_last.push_back(row);
   }
-  const std::vector<Eigen::Index> order = independent_first(postures[best], rank[best], rather_last);
+  const std::vector<Eigen::Index> order = independent_first(postures[best], rows, rank[best], rather_last);
   const auto equation_at = [&](Eigen::Index k) {
     return equations[static_cast<std::size_t>(order[static_cast<std::size_t>(k)])];
   };

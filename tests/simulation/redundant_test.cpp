@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -227,6 +228,31 @@ TEST(Redundant, SetsThatAreKnownNeedNoAnalysis) {
       analyses = 0;
     }
   }
+}
+
+// Another set of equations does not ask the performance model again: the solvers are those of the first set.
+TEST(Redundant, AnotherSetKeepsThePlan) {
+  const Scene scene = read_scene(ASSUR_SOURCE_DIR "/scenes/bricard_joints.json");
+  const Prepared first = prepare(scene);
+  const auto solvers = [](const Plan& plan) {
+    std::set<std::string> all;
+    for (const Plan::Choice& c : plan.choices) all.insert(to_string(plan.strategy(c)));
+    return all;
+  };
+  Simulator simulator(first);
+  int others = 0;
+  for (std::int64_t k = 0; k < scene.time().steps(); ++k) {
+    ASSERT_TRUE(simulator.step().ok());
+    const Prepared& now = simulator.prepared();
+    if (now.structure->checks == first.structure->checks) continue;
+    ++others;
+    ASSERT_EQ(now.plan.choices.size(), now.structure->classes.size());
+    EXPECT_EQ(now.structure->formulation, first.structure->formulation);
+    EXPECT_EQ(solvers(now.plan), solvers(first.plan));
+    EXPECT_EQ(now.plan.reason, first.plan.reason);
+    for (const Plan::Choice& c : now.plan.choices) EXPECT_EQ(c.shape.n, now.structure->classes[c.group_class].n);
+  }
+  EXPECT_GT(others, 0);
 }
 
 // The start postures of chunks use the equations of the start; if these have to be reselected, the run is in sequence.
