@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <map>
 #include <numeric>
 #include <utility>
 
@@ -63,11 +64,11 @@ void Independence::collect(const Structure& structure) {
       blocks[idx(c.unknown_block[i])].unknowns.push_back(group.unknowns[i]);
     }
     for (std::size_t i = 0; i < group.equations.size(); ++i) {
-      blocks[idx(c.equation_block[i])].rows.push_back({group.equations[i], {}, 0});
+      blocks[idx(c.equation_block[i])].rows.push_back({group.equations[i]});
     }
     std::move(blocks.begin(), blocks.end(), std::back_inserter(units_));
   }
-  for (const std::int32_t e : structure.watch.equations) dropped_.push_back({e, {}, 0});
+  for (const std::int32_t e : structure.watch.equations) dropped_.push_back({e});
   keep_those_behind();
   for (std::size_t u = 0; u < units_.size(); ++u) {
     Unit& unit = units_[u];
@@ -85,9 +86,36 @@ void Independence::collect(const Structure& structure) {
 }
 
 void Independence::reserve(Row& row) const {
+  if (system_.equations[idx(row.equation)].callback < 0) return find_slopes(row);
   std::vector<Index> mentioned;
   system_.mentioned(row.equation, mentioned);
   row.entries.reserve(mentioned.size());
+}
+
+void Independence::find_slopes(Row& row) const {
+  std::map<Index, std::map<Index, double>> slopes;  // coordinate of an entry, coordinate of a term
+  const auto constant = [&](Index c) { return system_.constants[idx(c)]; };
+  const auto add = [&](Index entry, Index coordinate, double value) {
+    if (entry != kOne) slopes[entry][coordinate] += value;
+  };
+  const Equation& e = system_.equations[idx(row.equation)];
+  if (e.linear >= 0) {
+    for (const Term& t : system_.form(e.linear)) add(t.coordinate, kOne, constant(t.constant));
+  }
+  for (const Product& p : system_.products_of(e)) {
+    for (const Term& a : system_.form(p.a)) {
+      for (const Term& b : system_.form(p.b)) {
+        const double factor = constant(p.constant) * constant(a.constant) * constant(b.constant);
+        add(a.coordinate, b.coordinate, factor);
+        add(b.coordinate, a.coordinate, factor);
+      }
+    }
+  }
+  for (const auto& [entry, terms] : slopes) {
+    row.entries.push_back({entry, 0});
+    for (const auto& [coordinate, value] : terms) row.slopes.push_back({coordinate, value});
+    row.ends.push_back(static_cast<std::uint32_t>(row.slopes.size()));
+  }
 }
 
 void Independence::keep_those_behind() {
@@ -173,37 +201,42 @@ std::vector<Index> Independence::chosen_anew(std::span<const double> coordinates
 }
 
 void Independence::differentiate(Row& row) {
-  row.entries.clear();
-  const auto add = [&](Index c, double value) {
-    if (c == kOne) return;
-    if (seen_[idx(c)] == 0) row.entries.push_back({c, 0});
-    seen_[idx(c)] = 1;
-    gradient_[idx(c)] += value;
-  };
-  const Equation& e = system_.equations[idx(row.equation)];
-  if (e.callback < 0) {
-    gradient<double>(system_, row.equation, q_, add);
-  } else {
-    const CallbackBlock& block = system_.callbacks[idx(e.callback)];
-    const std::size_t m = block.coordinates.size();
-    for (std::size_t i = 0; i < m; ++i) {
-      arguments_[i] = form_value<double>(system_, block.coordinates[i], q_) * block.unit[i];
-    }
-    block.callback->jacobian({arguments_.data(), m}, {slopes_.data(), m * idx(block.callback->equations)});
-    for (std::size_t i = 0; i < m; ++i) {
-      const double slope = slopes_[idx(e.row) * m + i] * block.unit[i];
-      for (const Term& t : system_.form(block.coordinates[i])) {
-        add(t.coordinate, system_.constants[idx(t.constant)] * slope);
-      }
-    }
+  if (system_.equations[idx(row.equation)].callback >= 0) differentiate_callback(row);
+  std::uint32_t k = 0;
+  for (std::size_t i = 0; i < row.ends.size(); ++i) {
+    double sum = 0;
+    for (; k < row.ends[i]; ++k) sum += row.slopes[k].value * q_[idx(row.slopes[k].coordinate)];
+    row.entries[i].value = sum;
   }
   double squares = 0;
-  for (Entry& entry : row.entries) {
-    entry.value = std::exchange(gradient_[idx(entry.coordinate)], 0.0);
-    seen_[idx(entry.coordinate)] = 0;
+  for (const Entry& entry : row.entries) {
     if (unit_of_[idx(entry.coordinate)] >= 0) squares += entry.value * entry.value;
   }
   row.length = std::max(std::sqrt(squares), kLeastScale);  // a row that vanishes determines nothing
+}
+
+void Independence::differentiate_callback(Row& row) {
+  row.entries.clear();
+  const Equation& e = system_.equations[idx(row.equation)];
+  const CallbackBlock& block = system_.callbacks[idx(e.callback)];
+  const std::size_t m = block.coordinates.size();
+  for (std::size_t i = 0; i < m; ++i) {
+    arguments_[i] = form_value<double>(system_, block.coordinates[i], q_) * block.unit[i];
+  }
+  block.callback->jacobian({arguments_.data(), m}, {slopes_.data(), m * idx(block.callback->equations)});
+  for (std::size_t i = 0; i < m; ++i) {
+    const double slope = slopes_[idx(e.row) * m + i] * block.unit[i];
+    for (const Term& t : system_.form(block.coordinates[i])) {
+      if (t.coordinate == kOne) continue;
+      if (seen_[idx(t.coordinate)] == 0) row.entries.push_back({t.coordinate, 0});
+      seen_[idx(t.coordinate)] = 1;
+      gradient_[idx(t.coordinate)] += system_.constants[idx(t.constant)] * slope;
+    }
+  }
+  for (Entry& entry : row.entries) {
+    entry.value = std::exchange(gradient_[idx(entry.coordinate)], 0.0);
+    seen_[idx(entry.coordinate)] = 0;
+  }
 }
 
 bool Independence::factorize(Unit& unit) {

@@ -41,15 +41,20 @@ class Independence {
   };
   struct Row {
     Index equation;
-    std::vector<Entry> entries;  // its gradient
-    double length = 0;           // over the unknowns of the units; at least kLeastScale
+    std::vector<Entry> entries = {};  // its gradient
+    double length = 0;                // over the unknowns of the units; at least kLeastScale
+    // Of a quadratic equation: an entry is the sum of value * coordinate of these, those of each entry in a row.
+    std::vector<Entry> slopes = {};
+    std::vector<std::uint32_t> ends = {};  // entries: of the range of slopes
   };
   struct Unit;  // equations and unknowns that are solved together: an irreducible block of a group
   void collect(const Structure& structure);
   void keep_those_behind();
   void reserve(Row& row) const;
+  void find_slopes(Row& row) const;
   [[nodiscard]] bool in_solving_order();
   void differentiate(Row& row);
+  void differentiate_callback(Row& row);
   [[nodiscard]] bool factorize(Unit& unit);
   [[nodiscard]] double largest_of(Row& row);
 
