@@ -40,7 +40,11 @@ Independence::Independence(const System& system, const Structure& structure, std
       seen_(system.coordinates.size(), 0) {
   collect(structure);
   const auto too_large = [](const Unit& u) { return u.unknowns.size() > kLargestDense; };
-  if (!in_solving_order() || std::any_of(units_.begin(), units_.end(), too_large)) dropped_.clear();
+  if (!in_solving_order() || std::any_of(units_.begin(), units_.end(), too_large)) {
+    units_.clear();
+    dropped_.clear();
+  }
+  reserve();
   std::size_t arguments = 0, slopes = 0;
   for (const CallbackBlock& b : system_.callbacks) {
     arguments = std::max(arguments, b.coordinates.size());
@@ -76,6 +80,11 @@ void Independence::collect(const Structure& structure) {
       unit_of_[idx(unit.unknowns[i])] = static_cast<Index>(u);
       place_[idx(unit.unknowns[i])] = static_cast<Index>(i);
     }
+  }
+}
+
+void Independence::reserve() {
+  for (Unit& unit : units_) {
     const auto n = static_cast<Eigen::Index>(unit.unknowns.size());
     unit.jacobian.resize(n, n);
     unit.right.resize(n);

@@ -50,6 +50,7 @@ class Independence {
   struct Unit;  // equations and unknowns that are solved together: an irreducible block of a group
   void collect(const Structure& structure);
   void keep_those_behind();
+  void reserve();
   void reserve(Row& row) const;
   void find_slopes(Row& row) const;
   [[nodiscard]] bool in_solving_order();
