@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <map>
 #include <numeric>
 #include <utility>
 
@@ -102,10 +101,14 @@ void Independence::reserve(Row& row) const {
 }
 
 void Independence::find_slopes(Row& row) const {
-  std::map<Index, std::map<Index, double>> slopes;  // coordinate of an entry, coordinate of a term
+  struct Slope {
+    Index entry, coordinate;
+    double value;
+  };
+  std::vector<Slope> slopes;
   const auto constant = [&](Index c) { return system_.constants[idx(c)]; };
   const auto add = [&](Index entry, Index coordinate, double value) {
-    if (entry != kOne) slopes[entry][coordinate] += value;
+    if (entry != kOne) slopes.push_back({entry, coordinate, value});
   };
   const Equation& e = system_.equations[idx(row.equation)];
   if (e.linear >= 0) {
@@ -120,10 +123,22 @@ void Independence::find_slopes(Row& row) const {
       }
     }
   }
-  for (const auto& [entry, terms] : slopes) {
-    row.entries.push_back({entry, 0});
-    for (const auto& [coordinate, value] : terms) row.slopes.push_back({coordinate, value});
-    row.ends.push_back(static_cast<std::uint32_t>(row.slopes.size()));
+  const auto key = [](const Slope& s) { return std::pair(s.entry, s.coordinate); };
+  std::stable_sort(slopes.begin(), slopes.end(), [&](const Slope& a, const Slope& b) { return key(a) < key(b); });
+  row.slopes.reserve(slopes.size());
+  const Slope* last = nullptr;
+  for (const Slope& s : slopes) {
+    if (last != nullptr && key(*last) == key(s)) {
+      row.slopes.back().value += s.value;
+      continue;
+    }
+    if (last == nullptr || last->entry != s.entry) {
+      row.entries.push_back({s.entry, 0});
+      row.ends.push_back(0);
+    }
+    row.slopes.push_back({s.coordinate, s.value});
+    row.ends.back() = static_cast<std::uint32_t>(row.slopes.size());
+    last = &s;
   }
 }
 
