@@ -88,12 +88,12 @@ void Independence::reserve() {
     unit.jacobian.resize(n, n);
     unit.right.resize(n);
     unit.lu = Eigen::PartialPivLU<Eigen::MatrixXd>(n);
-    for (Row& row : unit.rows) reserve(row);
+    for (Row& row : unit.rows) prepare(row);
   }
-  for (Row& row : dropped_) reserve(row);
+  for (Row& row : dropped_) prepare(row);
 }
 
-void Independence::reserve(Row& row) const {
+void Independence::prepare(Row& row) const {
   if (system_.equations[idx(row.equation)].callback < 0) return find_slopes(row);
   std::vector<Index> mentioned;
   system_.mentioned(row.equation, mentioned);

@@ -51,7 +51,7 @@ class Independence {
   void collect(const Structure& structure);
   void keep_those_behind();
   void reserve();
-  void reserve(Row& row) const;
+  void prepare(Row& row) const;
   void find_slopes(Row& row) const;
   [[nodiscard]] bool in_solving_order();
   void differentiate(Row& row);

@@ -246,6 +246,11 @@ Choice choice_again(const Scene& scene, const PrepareOptions& options, const Kno
   Choice again{structure_for(scene, options, before.formulation, plan.run.predictor, start), plan};
   const Structure& s = *again.structure;
   if (s.levels != before.levels) again.plan.level_threads.clear();
+  const std::string why_not = plan.run.together ? why_not_together(s) : "";
+  if (!why_not.empty()) {
+    again.plan.run.together = false;
+    again.plan.reason += "; level after level: " + why_not;
+  }
   again.plan.choices.clear();
   const std::vector<ClassSize> sizes = class_sizes(s);
   for (std::size_t c = 0; c < s.classes.size(); ++c) {
@@ -255,7 +260,6 @@ Choice choice_again(const Scene& scene, const PrepareOptions& options, const Kno
                           [&](const Plan::Choice& a, const Plan::Choice& b) { return distance(a) < distance(b); });
     choice.group_class = static_cast<std::int32_t>(c);
     choice.shape = size_of(s, choice.group_class, sizes[c].groups);
-    if (!why_not_together(s, again.plan.strategy(choice)).empty()) again.plan.run.together = false;
     again.plan.choices.push_back(std::move(choice));
   }
   return again;
