@@ -250,6 +250,7 @@ TEST(Redundant, AnotherSetKeepsThePlan) {
     EXPECT_EQ(now.structure->formulation, first.structure->formulation);
     EXPECT_EQ(solvers(now.plan), solvers(first.plan));
     EXPECT_EQ(now.plan.reason, first.plan.reason);
+    EXPECT_EQ(now.plan.expected_seconds, first.plan.expected_seconds);
     for (const Plan::Choice& c : now.plan.choices) EXPECT_EQ(c.shape.n, now.structure->classes[c.group_class].n);
   }
   EXPECT_GT(others, 0);
