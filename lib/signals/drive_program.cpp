@@ -250,7 +250,8 @@ void DriveProgram::evaluate(double t) {
   }
 }
 
-// Harmonics, polynomials and tables.
+// Harmonics, polynomials and tables. As fast as machine code from six laws on; the law program, interpreted, takes 5 to
+// 11 times as long.
 void DriveProgram::evaluate_by_kernels(double t) {
   knows_sines_ = false;
   const std::size_t size = base_.size();
