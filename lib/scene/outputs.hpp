@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -32,14 +31,6 @@ struct Output {
   // Highest derivative wanted.
   [[nodiscard]] int derivatives() const { return wanted[2] ? 2 : wanted[1] ? 1 : 0; }
 };
-
-// The part of C that the text after the dot of "C.velocity" or "C.vx" asks for.
-struct AskedPart {
-  int component = -1;   // -1: all
-  int derivative = -1;  // 0, 1, 2; -1: all
-};
-// Reads such a text. components: of the object, 1 for a scalar. Empty if there is no such part.
-[[nodiscard]] std::optional<AskedPart> asked_part(std::string_view part, int components);
 
 // All wanted outputs in the order of the scene, without repetitions; the measures of a sum come before it. If the scene
 // names no outputs: everything that is not fixed.

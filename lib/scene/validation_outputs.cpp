@@ -2,8 +2,8 @@
 #include <cmath>
 
 #include "assur/number.hpp"
+#include "scene/asked_part.hpp"
 #include "scene/joints/joints.hpp"
-#include "scene/outputs.hpp"
 #include "scene/validation_rows.hpp"
 
 namespace assur {

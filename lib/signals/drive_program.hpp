@@ -16,7 +16,7 @@
 #include "program/mechanism_step.hpp"
 #include "scene/system.hpp"
 #include "signals/angle_kernels.hpp"
-#include "signals/angle_turns.hpp"
+#include "signals/driver_turns.hpp"
 
 namespace assur {
 

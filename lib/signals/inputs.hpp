@@ -12,7 +12,6 @@
 #include "assur/plan.hpp"
 #include "numbers.hpp"
 #include "scene/system.hpp"
-#include "signals/angle_turns.hpp"
 #include "signals/drive_program.hpp"
 
 namespace assur {
