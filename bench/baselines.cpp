@@ -18,13 +18,13 @@
 
 #include "assur/assur.hpp"
 #include "bare_calls.hpp"
+#include "drivers/inputs.hpp"
 #include "legs_by_hand.hpp"
 #include "matrices.hpp"
 #include "median.hpp"
-#include "path/layout.hpp"
-#include "path/state.hpp"
+#include "motion/layout.hpp"
+#include "motion/state.hpp"
 #include "program.hpp"
-#include "signals/inputs.hpp"
 
 namespace assur::bench {
 namespace {
@@ -180,7 +180,8 @@ class LegsByLibrary {
   void repeat_in_idle_lanes(const Pack& pack) {
     const int lanes = solver(pack).lanes();
     double* x = state_.at(0) + pack.unknowns;
-    for (std::int32_t i = 0; i < solver(pack).group_class().n; ++i, x += lanes) std::fill(x + pack.used, x + lanes, x[0]);
+    for (std::int32_t i = 0; i < solver(pack).group_class().n; ++i, x += lanes)
+      std::fill(x + pack.used, x + lanes, x[0]);
   }
   bool drive(double t) {
     double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};

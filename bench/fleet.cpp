@@ -23,7 +23,7 @@
 #include "machine.hpp"
 #include "median.hpp"
 #include "numbers.hpp"
-#include "signals/angle_kernels.hpp"
+#include "outputs/angle_kernels.hpp"
 #include "sweep/random_linkage.hpp"
 
 namespace assur::bench {

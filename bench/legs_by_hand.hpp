@@ -1,6 +1,6 @@
 // The six legs of `stewart` written by hand: groups/klu or groups/lapack without the code of assur around KLU or
 // LAPACK. It runs without checks or with the checks of the simulator: residuals relative to their terms, residuals of
-// the linear systems, and the ball in which the branch cannot change (lib/group/branch.hpp; here one ball for a whole
+// the linear systems, and the ball in which the branch cannot change (lib/groups/branch.hpp; here one ball for a whole
 // leg).
 #pragma once
 

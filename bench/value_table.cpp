@@ -17,7 +17,7 @@
 #include "assur/assur.hpp"
 #include "machine.hpp"
 #include "median.hpp"
-#include "side_by_side/value_table.hpp"
+#include "tables/value_table.hpp"
 
 namespace assur::bench {
 namespace {

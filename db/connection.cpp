@@ -8,7 +8,7 @@
 #include <new>
 #include <thread>
 
-#include "scene/input_file.hpp"
+#include "files/input_file.hpp"
 
 namespace assur::db {
 namespace {

@@ -12,9 +12,9 @@
 #include <tuple>
 
 #include "db/checksum.hpp"
+#include "dispatch/impossible.hpp"
+#include "dispatch/pace.hpp"
 #include "numbers.hpp"
-#include "planning/impossible.hpp"
-#include "planning/pace.hpp"
 
 namespace assur::db {
 namespace {

@@ -13,8 +13,8 @@
 #include "db/time.hpp"
 #include "db/writer.hpp"
 #include "decimal.hpp"
-#include "planning/impossible.hpp"
-#include "planning/pace.hpp"
+#include "dispatch/impossible.hpp"
+#include "dispatch/pace.hpp"
 
 namespace assur::db {
 namespace {

@@ -28,10 +28,11 @@ endmacro()
 check_order(${TUNER} measure output sweep pictures check tuning report commands enough_memory.cpp main.cpp)
 
 set(lib_layers version.hpp status.hpp status.cpp machine.hpp parallel backend.hpp strategy.hpp strategy.cpp backends
-  report.hpp report.cpp status_text.hpp status_text.cpp number.hpp law.hpp scene.hpp scene mjcf.hpp mjcf structure.hpp structure
-  equations program execute performance.hpp plan.hpp saved_plan.hpp planning modes.hpp modes rows.hpp signals group
-  step_limits.hpp path errors jacobian.hpp simulator.hpp motion_range.hpp simulation ensemble.hpp side_by_side verification
-  curve.hpp fleet.hpp fleet print.hpp print.cpp eigen.hpp assur.hpp assur.h c db)
+  report.hpp report.cpp status_text.hpp status_text.cpp number.hpp law.hpp scene.hpp scene joints builder files samples
+  mjcf.hpp mjcf structure.hpp equations graph start structure evaluation program executors performance.hpp plan.hpp
+  saved_plan.hpp dispatch plan modes.hpp modes rows.hpp outputs drivers groups step_limits.hpp motion errors
+  jacobian.hpp simulator.hpp motion_range.hpp simulation ensemble.hpp runs tables verification curve.hpp fleet.hpp fleet
+  print.hpp print.cpp eigen.hpp assur.hpp assur.h c db)
 check_order(${INCLUDE} ${lib_layers})
 foreach(file IN LISTS files)
   if(NOT file IN_LIST lib_layers)
@@ -41,9 +42,9 @@ endforeach()
 check_order(${LIB} ${lib_layers})
 
 # Paths that take steps in another way ask program/needs.hpp whether they can; they name no features of scenes.
-file(GLOB ways RELATIVE ${LIB} ${LIB}/side_by_side/*.cpp ${LIB}/execute/*.cpp ${LIB}/fleet/*.cpp
-  ${LIB}/path/whole_step.cpp ${LIB}/path/together.cpp ${LIB}/group/coded_*.cpp ${LIB}/group/together_step.cpp
-  ${LIB}/planning/together_rules.cpp)
+file(GLOB ways RELATIVE ${LIB} ${LIB}/runs/*.cpp ${LIB}/tables/*.cpp ${LIB}/executors/*.cpp ${LIB}/fleet/*.cpp
+  ${LIB}/motion/whole_step.cpp ${LIB}/motion/together.cpp ${LIB}/groups/coded_*.cpp ${LIB}/program/together_step.cpp
+  ${LIB}/dispatch/together_rules.cpp)
 foreach(file IN LISTS ways)
   file(STRINGS ${LIB}/${file} named
     REGEX "(callbacks|bounds|checks|gears|controlled)\\.empty\\(\\)|Law::Function|for_each_function|limits\\.seconds")

@@ -2,7 +2,7 @@
 # `emulator` runs ("": none). A process for each case would spend more time on its start than on most cases. ctest must
 # not search the output for skipped cases, because it would count a suite with a failed and a skipped case as skipped.
 # Suites that run many mechanisms with many strategies. `./quickstart test` leaves them out.
-set(long planning.Offers simulation.Accuracy simulation.RandomJoints simulation.Strategies structure.Shapes/ManyBodies)
+set(long dispatch.Offers simulation.Accuracy simulation.RandomJoints simulation.Strategies structure.Shapes/ManyBodies)
 if(NOT EXISTS ${program})
   add_test(${folder}_test_NOT_BUILT ${folder}_test_NOT_BUILT)
   return()

@@ -2,7 +2,7 @@
 
 #include "c/handles.hpp"
 #include "numbers.hpp"
-#include "signals/columns.hpp"
+#include "outputs/columns.hpp"
 
 using namespace assur;
 using assur::c::call;

@@ -1,8 +1,8 @@
 #include <memory>
 
 #include "c/handles.hpp"
+#include "equations/system.hpp"
 #include "numbers.hpp"
-#include "scene/system.hpp"
 
 using namespace assur;
 using assur::c::call;

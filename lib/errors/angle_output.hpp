@@ -1,7 +1,7 @@
 // Outputs that are angles.
 #pragma once
 
-#include "scene/outputs.hpp"
+#include "equations/outputs.hpp"
 
 namespace assur {
 

@@ -4,13 +4,13 @@
 #include <cmath>
 #include <utility>
 
+#include "equations/outputs.hpp"
 #include "errors/angle_output.hpp"
 #include "errors/law_rounding.hpp"
 #include "index.hpp"
 #include "numbers.hpp"
+#include "outputs/random_sign.hpp"
 #include "program/step_rules.hpp"
-#include "scene/outputs.hpp"
-#include "signals/random_sign.hpp"
 
 namespace assur {
 namespace {

@@ -14,13 +14,13 @@
 #include <vector>
 
 #include "assur/report.hpp"
+#include "drivers/inputs.hpp"
 #include "errors/static_errors.hpp"
-#include "group/pack_kernels.hpp"
-#include "path/layout.hpp"
-#include "path/levels.hpp"
-#include "signals/inputs.hpp"
-#include "signals/output_program.hpp"
-#include "signals/output_steps.hpp"
+#include "groups/pack_kernels.hpp"
+#include "motion/layout.hpp"
+#include "motion/levels.hpp"
+#include "outputs/output_program.hpp"
+#include "outputs/output_steps.hpp"
 
 namespace assur {
 

@@ -4,11 +4,11 @@
 #include <cmath>
 
 #include "decompositions.hpp"
+#include "equations/dense_block.hpp"
+#include "equations/residual_scale.hpp"
 #include "index.hpp"
 #include "numbers.hpp"
-#include "scene/residual_scale.hpp"
-#include "signals/random_sign.hpp"
-#include "structure/dense_block.hpp"
+#include "outputs/random_sign.hpp"
 
 namespace assur {
 namespace {

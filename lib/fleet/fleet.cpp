@@ -8,7 +8,7 @@
 #include "fleet/linkage_run.hpp"
 #include "numbers.hpp"
 #include "parallel/team.hpp"
-#include "side_by_side/row_takers.hpp"
+#include "runs/row_takers.hpp"
 #include "simulation/run_arguments.hpp"
 
 namespace assur {

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "numbers.hpp"
-#include "signals/random_sign.hpp"
+#include "outputs/random_sign.hpp"
 
 namespace assur {
 namespace {

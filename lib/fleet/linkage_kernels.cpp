@@ -8,9 +8,9 @@
 #include <bit>
 #include <cmath>
 
-#include "equations/lane_vector-inl.hpp"
+#include "evaluation/lane_vector-inl.hpp"
 #include "fleet/linkage_kernels.hpp"
-#include "signals/angle_kernels.hpp"
+#include "outputs/angle_kernels.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace assur::HWY_NAMESPACE {

@@ -11,8 +11,8 @@
 #include <utility>
 
 #include "assur/status.hpp"
-#include "scene/input_file.hpp"
-#include "scene/json_reader.hpp"
+#include "files/input_file.hpp"
+#include "files/json_reader.hpp"
 #include "scene/names.hpp"
 
 namespace assur::mjcf {

@@ -12,8 +12,8 @@
 
 #include "assur/mjcf.hpp"
 #include "decimal.hpp"
+#include "files/json_reader.hpp"
 #include "mjcf/model.hpp"
-#include "scene/json_reader.hpp"
 #include "scene/law_sum.hpp"
 #include "scene/names.hpp"
 

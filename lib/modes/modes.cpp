@@ -7,20 +7,20 @@
 #include <optional>
 
 #include "decompositions.hpp"
+#include "equations/dense_block.hpp"
+#include "equations/lowering.hpp"
+#include "equations/own_values.hpp"
+#include "equations/residual_scale.hpp"
 #include "index.hpp"
 #include "modes/homotopy.hpp"
 #include "modes/quadratics.hpp"
 #include "numbers.hpp"
-#include "planning/prepare_at.hpp"
-#include "scene/lowering.hpp"
+#include "plan/prepare_at.hpp"
 #include "scene/names.hpp"
-#include "scene/own_values.hpp"
-#include "scene/residual_scale.hpp"
 #include "scene/triple.hpp"
-#include "structure/assembly.hpp"
-#include "structure/dense_block.hpp"
+#include "start/assembly.hpp"
+#include "start/start.hpp"
 #include "structure/grouping.hpp"
-#include "structure/start.hpp"
 
 namespace assur {
 namespace {

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "scene/system.hpp"
+#include "equations/system.hpp"
 
 namespace assur {
 

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "equations/quadratic_equations-inl.hpp"
+#include "evaluation/quadratic_equations-inl.hpp"
 #include "index.hpp"
 #include "program/anchor-inl.hpp"
 #include "program/graph.hpp"

@@ -1,7 +1,7 @@
-// The step of a group of any size as a program: the operations of the general path (group/newton_step.hpp) where a step
-// is ordinary, one by one and in the same order, so that both have the same bits. Its linear systems are solved by the
-// pivots that the backend `lanes` has chosen. Where anything is unusual, a lane fails, and the general path must solve
-// the step.
+// The step of a group of any size as a program: the operations of the general path (groups/newton_step.hpp) where a
+// step is ordinary, one by one and in the same order, so that both have the same bits. Its linear systems are solved by
+// the pivots that the backend `lanes` has chosen. Where anything is unusual, a lane fails, and the general path must
+// solve the step.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@
 
 #include "assur/structure.hpp"
 #include "backends/lanes_elimination.hpp"
-#include "equations/coefficients.hpp"
+#include "evaluation/coefficients.hpp"
 #include "program/group_step.hpp"
 
 namespace assur {

@@ -14,7 +14,7 @@ namespace assur {
 class Graph;
 
 // A number that is not known yet: a value of a graph. Or a constant, which has no graph. It has the functions of Lanes
-// (equations/lane_vector-inl.hpp), so that the same text computes numbers or writes their program.
+// (evaluation/lane_vector-inl.hpp), so that the same text computes numbers or writes their program.
 struct Value {
   Graph* graph = nullptr;
   std::uint32_t id = 0;

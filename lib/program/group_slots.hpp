@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "equations/coefficients.hpp"
+#include "evaluation/coefficients.hpp"
 #include "index.hpp"
 #include "program/graph.hpp"
 #include "program/group_step.hpp"

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "assur/structure.hpp"
-#include "equations/coefficients.hpp"
+#include "evaluation/coefficients.hpp"
 #include "program/graph.hpp"
 #include "program/step_program.hpp"
 

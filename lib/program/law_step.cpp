@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "equations/angles-inl.hpp"
+#include "evaluation/angles-inl.hpp"
 #include "numbers.hpp"
 #include "program/graph.hpp"
 #include "scene/law_evaluate.hpp"

@@ -5,10 +5,10 @@
 #include <map>
 #include <utility>
 
+#include "equations/drive.hpp"
 #include "index.hpp"
 #include "program/graph.hpp"
 #include "program/group_step.hpp"
-#include "scene/drive.hpp"
 
 namespace assur {
 namespace {

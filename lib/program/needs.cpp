@@ -4,10 +4,10 @@
 #include <variant>
 #include <vector>
 
+#include "equations/differences.hpp"
+#include "equations/system.hpp"
 #include "index.hpp"
-#include "scene/differences.hpp"
-#include "scene/gear.hpp"
-#include "scene/system.hpp"
+#include "joints/gear.hpp"
 
 namespace assur {
 namespace {

@@ -7,7 +7,7 @@
 #define ASSUR_SMALL_EQUATIONS_INL
 #endif
 
-#include "equations/quadratic_equations-inl.hpp"
+#include "evaluation/quadratic_equations-inl.hpp"
 
 #include <hwy/highway.h>
 
@@ -15,7 +15,7 @@
 #include <cstdint>
 
 #include "assur/structure.hpp"
-#include "equations/coefficients.hpp"
+#include "evaluation/coefficients.hpp"
 #include "index.hpp"
 
 HWY_BEFORE_NAMESPACE();

@@ -1,6 +1,6 @@
 // The step of a small group: Newton's method, velocity, acceleration and the branch test, by the rules of
 // step_rules.hpp and of NewtonStep. Each lane computes and decides for itself, so its bits do not depend on its
-// neighbours. The same text runs in registers (group/step_kernel.cpp) and writes the program of the step
+// neighbours. The same text runs in registers (groups/step_kernel.cpp) and writes the program of the step
 // (program/group_step.cpp). Included once for each target, inside its HWY_NAMESPACE (see Highway, "foreach_target.h").
 #if defined(ASSUR_SMALL_GROUP_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef ASSUR_SMALL_GROUP_INL

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "equations/quadratic_equations-inl.hpp"
+#include "evaluation/quadratic_equations-inl.hpp"
 #include "index.hpp"
 #include "program/anchor-inl.hpp"
 #include "program/graph.hpp"

@@ -5,7 +5,7 @@
 // it. With the changes of those groups inserted, the loads of all groups are a linear recurrence through the levels:
 //   load_k = -(H own)_k + sum_j gain_kj load_j,   gain_kj = -(H column_j)_k
 // The rates and the accelerations have the same columns and gains at the solved posture, with their own right-hand
-// sides. A pass reads and writes numbers of its own group only; between passes, path/together.hpp brings what other
+// sides. A pass reads and writes numbers of its own group only; between passes, motion/together.hpp brings what other
 // groups computed, and runs the recurrence.
 #pragma once
 
@@ -16,7 +16,7 @@
 
 #include "assur/structure.hpp"
 #include "backends/lanes_elimination.hpp"
-#include "equations/coefficients.hpp"
+#include "evaluation/coefficients.hpp"
 #include "program/group_step.hpp"
 #include "program/step_program.hpp"
 

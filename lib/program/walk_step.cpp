@@ -3,12 +3,12 @@
 #include <cstdint>
 #include <vector>
 
-#include "equations/quadratic_equations-inl.hpp"
+#include "evaluation/quadratic_equations-inl.hpp"
 #include "index.hpp"
 #include "numbers.hpp"
 #include "program/graph.hpp"
 #include "program/linear_steps.hpp"
-#include "structure/walk.hpp"
+#include "start/walk.hpp"
 
 namespace assur {
 namespace {
@@ -159,7 +159,7 @@ class Writer : WalkRules {
     return sums;
   }
 
-  // See Walk::test() in structure/walk.cpp: with the inverse C of the Jacobian in the middle of the chord,
+  // See Walk::test() in start/walk.cpp: with the inverse C of the Jacobian in the middle of the chord,
   //   Y = |C residuals of the chord| + |C residuals at its end| + |C| |change by inputs off their chords|,
   //   Z = |C| |change of the Jacobian along the chord|, B = |C| |that within a ball of radius 1|,
   // the proof needs Z + 2 sqrt(B Y) < 1. Residuals are those beyond the ones that the way has there: none where the

@@ -1,4 +1,4 @@
-// A step of a walk (structure/walk.hpp) as a program: the unknowns of a class follow their equations while the inputs
+// A step of a walk (start/walk.hpp) as a program: the unknowns of a class follow their equations while the inputs
 // move, or while open residuals shrink in proportion. The proof of the step is part of it: for every share of the way
 // there is exactly one posture in a ball around the chord, because the equations are quadratic (Newton-Kantorovich).
 #pragma once
@@ -6,7 +6,7 @@
 #include <cstddef>
 
 #include "backends/lanes_elimination.hpp"
-#include "equations/coefficients.hpp"
+#include "evaluation/coefficients.hpp"
 #include "program/step_program.hpp"
 
 namespace assur {

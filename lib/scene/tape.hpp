@@ -1,6 +1,6 @@
 // A tape: while it records, it receives how Numbers of a mechanism follow from parameters (Griewank and Walther,
 // Evaluating Derivatives, 2008, chapter 4). Each such Number knows its place on the tape; a conversion to double loses
-// it, which the tape notes. side_by_side/parameter_tape.hpp computes the numbers again for other values.
+// it, which the tape notes. tables/parameter_tape.hpp computes the numbers again for other values.
 #pragma once
 
 #include <cstdint>

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "scene/system.hpp"
+#include "equations/system.hpp"
 
 namespace assur {
 namespace {

@@ -7,9 +7,9 @@
 #include "assur/simulator.hpp"
 #include "assur/structure.hpp"
 #include "decimal.hpp"
+#include "equations/system.hpp"
 #include "numbers.hpp"
 #include "scene/names.hpp"
-#include "scene/system.hpp"
 
 namespace assur {
 namespace {

@@ -6,9 +6,9 @@
 #include <utility>
 
 #include "decompositions.hpp"
+#include "equations/outputs.hpp"
 #include "index.hpp"
 #include "numbers.hpp"
-#include "scene/outputs.hpp"
 
 namespace assur {
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "assur/jacobian.hpp"
-#include "path/continuation.hpp"
-#include "signals/output_program.hpp"
+#include "motion/continuation.hpp"
+#include "outputs/output_program.hpp"
 
 namespace assur {
 

@@ -4,7 +4,7 @@
 #include <numeric>
 #include <utility>
 
-#include "signals/columns.hpp"
+#include "outputs/columns.hpp"
 #include "simulation/constraint_jacobian.hpp"
 #include "simulation/output_slopes.hpp"
 #include "simulation/run_arguments.hpp"

@@ -12,17 +12,17 @@
 #include <vector>
 
 #include "assur/simulator.hpp"
+#include "equations/outputs.hpp"
 #include "errors/error_estimate.hpp"
 #include "index.hpp"
+#include "motion/continuation.hpp"
+#include "motion/function_check.hpp"
 #include "numbers.hpp"
-#include "path/continuation.hpp"
-#include "path/function_check.hpp"
+#include "outputs/angle_turns.hpp"
+#include "outputs/columns.hpp"
+#include "outputs/output_program.hpp"
+#include "outputs/output_steps.hpp"
 #include "program/step_rules.hpp"
-#include "scene/outputs.hpp"
-#include "signals/angle_turns.hpp"
-#include "signals/columns.hpp"
-#include "signals/output_program.hpp"
-#include "signals/output_steps.hpp"
 #include "simulation/output_slopes.hpp"
 
 namespace assur {

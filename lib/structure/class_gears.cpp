@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "scene/gear.hpp"
+#include "joints/gear.hpp"
 
 namespace assur {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "assur/structure.hpp"
-#include "scene/system.hpp"
+#include "equations/system.hpp"
 #include "structure/write_class.hpp"
 
 namespace assur {

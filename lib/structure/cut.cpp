@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
+#include "equations/outputs.hpp"
+#include "graph/demand.hpp"
 #include "index.hpp"
-#include "scene/outputs.hpp"
-#include "structure/demand.hpp"
 
 namespace assur {
 namespace {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "structure/blocks.hpp"
+#include "graph/blocks.hpp"
 #include "structure/grouping.hpp"
 
 namespace assur {

@@ -1,7 +1,7 @@
 #include <cs.h>
 
 #include "assur/structure.hpp"
-#include "structure/dense_block.hpp"
+#include "equations/dense_block.hpp"
 
 namespace assur {
 

@@ -5,8 +5,8 @@
 #include <numeric>
 #include <tuple>
 
+#include "graph/block_names.hpp"
 #include "index.hpp"
-#include "structure/block_names.hpp"
 
 namespace assur {
 namespace {

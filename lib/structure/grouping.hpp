@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "assur/strategy.hpp"
-#include "structure/blocks.hpp"
+#include "graph/blocks.hpp"
 
 namespace assur {
 

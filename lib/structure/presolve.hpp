@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "scene/system.hpp"
+#include "equations/system.hpp"
 
 namespace assur {
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "assur/structure.hpp"
-#include "scene/system.hpp"
+#include "equations/system.hpp"
 
 namespace assur {
 

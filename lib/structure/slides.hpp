@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "scene/system.hpp"
-#include "structure/blocks.hpp"
+#include "equations/system.hpp"
+#include "graph/blocks.hpp"
 
 namespace assur {
 

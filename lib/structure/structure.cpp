@@ -4,20 +4,20 @@
 #include <map>
 #include <set>
 
+#include "equations/lowering.hpp"
+#include "graph/freedoms.hpp"
+#include "graph/idle_parts.hpp"
 #include "index.hpp"
-#include "scene/lowering.hpp"
 #include "scene/tape.hpp"
+#include "start/other_postures.hpp"
+#include "start/redundant_sets.hpp"
+#include "start/start.hpp"
 #include "structure/at_rest.hpp"
 #include "structure/classes.hpp"
 #include "structure/cut.hpp"
-#include "structure/freedoms.hpp"
 #include "structure/grouping.hpp"
-#include "structure/idle_parts.hpp"
-#include "structure/other_postures.hpp"
 #include "structure/presolve.hpp"
-#include "structure/redundant_sets.hpp"
 #include "structure/slides.hpp"
-#include "structure/start.hpp"
 
 namespace assur {
 namespace {

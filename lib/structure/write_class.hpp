@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "assur/structure.hpp"
-#include "scene/system.hpp"
+#include "equations/system.hpp"
 
 namespace assur {
 

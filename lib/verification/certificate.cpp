@@ -6,13 +6,13 @@
 #include <utility>
 
 #include "decimal.hpp"
+#include "equations/drive.hpp"
+#include "equations/lowering.hpp"
+#include "equations/outputs.hpp"
+#include "graph/block_names.hpp"
+#include "graph/demand.hpp"
 #include "index.hpp"
 #include "numbers.hpp"
-#include "scene/drive.hpp"
-#include "scene/lowering.hpp"
-#include "scene/outputs.hpp"
-#include "structure/block_names.hpp"
-#include "structure/demand.hpp"
 
 namespace assur {
 

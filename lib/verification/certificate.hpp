@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "assur/simulator.hpp"
-#include "group/ball.hpp"
-#include "group/newton_kantorovich.hpp"
-#include "scene/system.hpp"
-#include "structure/blocks.hpp"
+#include "equations/system.hpp"
+#include "graph/blocks.hpp"
+#include "groups/ball.hpp"
+#include "groups/newton_kantorovich.hpp"
 #include "verification/quad.hpp"
 
 namespace assur {

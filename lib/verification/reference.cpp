@@ -16,10 +16,10 @@
 #include <vector>
 
 #include "assur/simulator.hpp"
+#include "equations/outputs.hpp"
 #include "errors/angle_output.hpp"
 #include "numbers.hpp"
-#include "scene/outputs.hpp"
-#include "signals/output_program.hpp"
+#include "outputs/output_program.hpp"
 #include "verification/reference_motion.hpp"
 
 namespace assur {

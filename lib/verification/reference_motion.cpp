@@ -6,12 +6,12 @@
 #include <string>
 
 #include "assur/structure.hpp"
+#include "equations/drive.hpp"
+#include "equations/lowering.hpp"
+#include "equations/outputs.hpp"
+#include "graph/demand.hpp"
 #include "index.hpp"
-#include "scene/drive.hpp"
 #include "scene/law_evaluate.hpp"
-#include "scene/lowering.hpp"
-#include "scene/outputs.hpp"
-#include "structure/demand.hpp"
 
 namespace assur {
 namespace {

@@ -9,9 +9,9 @@
 
 #include "assur/plan.hpp"
 #include "decompositions.hpp"
-#include "scene/system.hpp"
-#include "structure/blocks.hpp"
-#include "structure/dense_block.hpp"
+#include "equations/dense_block.hpp"
+#include "equations/system.hpp"
+#include "graph/blocks.hpp"
 #include "verification/quad.hpp"
 
 namespace assur {

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "decompositions.hpp"
+#include "equations/system.hpp"
 #include "index.hpp"
-#include "scene/system.hpp"
-#include "signals/output_program.hpp"
+#include "outputs/output_program.hpp"
 
 namespace assur::test {
 

@@ -15,7 +15,7 @@
 #include "assur/plan.hpp"
 #include "assur/structure.hpp"
 #include "check/plain_motion.hpp"
-#include "scene/system.hpp"
+#include "equations/system.hpp"
 #include "simulation/random_count.hpp"
 
 namespace assur::check {

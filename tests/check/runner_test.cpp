@@ -7,7 +7,7 @@
 
 #include "check/twin.hpp"
 #include "check/yardstick.hpp"
-#include "scene/system.hpp"
+#include "equations/system.hpp"
 
 namespace assur::check {
 namespace {

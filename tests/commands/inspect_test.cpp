@@ -2,9 +2,9 @@
 
 #include "assur/structure.hpp"
 #include "commands/command.hpp"
+#include "equations/system.hpp"
 #include "numbers.hpp"
 #include "output/format.hpp"
-#include "scene/system.hpp"
 #include "source_dir.hpp"
 
 namespace assur {

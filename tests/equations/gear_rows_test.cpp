@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "equations/angles-inl.hpp"
-#include "equations/evaluator.hpp"
-#include "execute/executors.hpp"
+#include "evaluation/angles-inl.hpp"
+#include "evaluation/evaluator.hpp"
+#include "executors/executors.hpp"
 #include "index.hpp"
 #include "numbers.hpp"
 #include "program/graph.hpp"

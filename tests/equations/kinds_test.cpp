@@ -8,12 +8,12 @@
 #include "assur/plan.hpp"
 #include "assur/simulator.hpp"
 #include "decompositions.hpp"
-#include "equations/evaluator.hpp"
+#include "equations/drive.hpp"
+#include "equations/lowering.hpp"
+#include "equations/residual_scale.hpp"
+#include "evaluation/evaluator.hpp"
 #include "index.hpp"
 #include "numbers.hpp"
-#include "scene/drive.hpp"
-#include "scene/lowering.hpp"
-#include "scene/residual_scale.hpp"
 #include "structure/look.hpp"
 
 namespace assur {

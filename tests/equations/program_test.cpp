@@ -1,12 +1,12 @@
 // Programs: callbacks, Lipschitz constants, sharing. kinds_test.cpp compares programs with the system.
-#include "equations/coefficients.hpp"
+#include "evaluation/coefficients.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
-#include "equations/evaluator.hpp"
+#include "evaluation/evaluator.hpp"
 #include "index.hpp"
 #include "numbers.hpp"
 #include "structure/look.hpp"

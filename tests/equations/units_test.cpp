@@ -1,9 +1,9 @@
 // Scaling all lengths of a scene by a power of two keeps its equations bitwise.
 #include <gtest/gtest.h>
 
-#include "equations/coefficients.hpp"
+#include "equations/lowering.hpp"
+#include "evaluation/coefficients.hpp"
 #include "references/scaled.hpp"
-#include "scene/lowering.hpp"
 #include "structure/look.hpp"
 
 namespace assur {

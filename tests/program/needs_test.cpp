@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "scene/samples.hpp"
+#include "samples/samples.hpp"
 
 namespace assur {
 namespace {

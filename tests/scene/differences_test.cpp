@@ -1,5 +1,5 @@
 // Derivatives of functions compared with differences. Right ones are accepted, wrong ones are found.
-#include "scene/differences.hpp"
+#include "equations/differences.hpp"
 
 #include <gtest/gtest.h>
 

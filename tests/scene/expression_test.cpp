@@ -1,4 +1,4 @@
-#include "scene/expression.hpp"
+#include "files/expression.hpp"
 
 #include <gtest/gtest.h>
 

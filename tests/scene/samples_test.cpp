@@ -1,5 +1,5 @@
 // The samples: their texts, start postures and geometry.
-#include "scene/samples.hpp"
+#include "samples/samples.hpp"
 
 #include <gtest/gtest.h>
 

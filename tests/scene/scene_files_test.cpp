@@ -18,9 +18,9 @@
 #include <vector>
 
 #include "assur/scene.hpp"
-#include "scene/json_document.hpp"
+#include "files/json_document.hpp"
+#include "samples/samples.hpp"
 #include "scene/kinds.hpp"
-#include "scene/samples.hpp"
 #include "scene/shipped_files.hpp"
 #include "source_dir.hpp"
 

@@ -14,7 +14,7 @@
 
 #include "assur/plan.hpp"
 #include "assur/scene.hpp"
-#include "scene/json_document.hpp"
+#include "files/json_document.hpp"
 #include "scene/shipped_files.hpp"
 #include "source_dir.hpp"
 

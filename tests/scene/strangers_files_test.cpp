@@ -9,7 +9,7 @@
 
 #include "assur/saved_plan.hpp"
 #include "assur/scene.hpp"
-#include "scene/input_file.hpp"
+#include "files/input_file.hpp"
 #include "scene/names.hpp"
 
 namespace assur {

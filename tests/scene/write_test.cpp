@@ -15,8 +15,8 @@
 
 #include "assur/scene.hpp"
 #include "assur/simulator.hpp"
+#include "samples/samples.hpp"
 #include "scene/same_scene.hpp"
-#include "scene/samples.hpp"
 #include "scene/shipped_files.hpp"
 #include "simulation/any_mechanism.hpp"
 #include "simulation/random_count.hpp"

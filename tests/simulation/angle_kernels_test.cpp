@@ -1,5 +1,5 @@
 // Sines, cosines and harmonics in lanes, compared with quad, for every instruction set of this machine.
-#include "signals/angle_kernels.hpp"
+#include "outputs/angle_kernels.hpp"
 #include "numbers.hpp"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // Midpoint-radius arithmetic and the proof of solutions, compared with exact rational arithmetic.
-#include "group/ball.hpp"
+#include "groups/ball.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <cmath>
 #include <vector>
 
-#include "group/newton_kantorovich.hpp"
+#include "groups/newton_kantorovich.hpp"
 #include "scene/law_evaluate.hpp"
 #include "simulation/random_mechanisms.hpp"
 #include "verification/quad.hpp"

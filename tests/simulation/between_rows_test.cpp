@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "assur/ensemble.hpp"
-#include "scene/law_bow.hpp"
+#include "equations/law_bow.hpp"
 #include "simulation/random_count.hpp"
 #include "simulation/random_mechanisms.hpp"
 #include "simulation/run.hpp"

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "assur/ensemble.hpp"
-#include "path/two_sided_limit.hpp"
+#include "motion/two_sided_limit.hpp"
 #include "simulation/run.hpp"
 
 namespace assur {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "scene/system.hpp"
+#include "equations/system.hpp"
 #include "simulation/run.hpp"
 
 namespace assur {

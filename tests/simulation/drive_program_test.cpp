@@ -1,5 +1,5 @@
 // The flat program of the drivers compared with their definition in quad.
-#include "signals/drive_program.hpp"
+#include "drivers/drive_program.hpp"
 #include "numbers.hpp"
 
 #include <gtest/gtest.h>
@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
+#include "equations/drive.hpp"
+#include "equations/lowering.hpp"
 #include "references/quad.hpp"
-#include "scene/drive.hpp"
-#include "scene/lowering.hpp"
 
 namespace assur {
 namespace {

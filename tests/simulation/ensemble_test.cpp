@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "side_by_side/tile.hpp"
+#include "runs/tile.hpp"
 #include "simulation/ensembles.hpp"
 
 namespace assur::test {

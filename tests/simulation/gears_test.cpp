@@ -10,8 +10,8 @@
 
 #include "assur/ensemble.hpp"
 #include "assur/structure.hpp"
+#include "joints/gear.hpp"
 #include "run.hpp"
-#include "scene/gear.hpp"
 #include "scene/triple.hpp"
 
 namespace assur {

@@ -15,8 +15,8 @@
 
 #include "assur/eigen.hpp"
 #include "backends/allocations.hpp"
-#include "scene/outputs.hpp"
-#include "signals/output_program.hpp"
+#include "equations/outputs.hpp"
+#include "outputs/output_program.hpp"
 #include "simulation/run.hpp"
 #include "source_dir.hpp"
 #include "verification/reference_motion.hpp"

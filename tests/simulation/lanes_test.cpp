@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "equations/lane_array.hpp"
-#include "path/layout.hpp"
-#include "path/state.hpp"
+#include "evaluation/lane_array.hpp"
+#include "motion/layout.hpp"
+#include "motion/state.hpp"
 #include "simulation/run.hpp"
 
 namespace assur {

@@ -1,5 +1,5 @@
 // Packs of a level on several threads: the number of threads only changes the time.
-#include "path/levels.hpp"
+#include "motion/levels.hpp"
 
 #include <gtest/gtest.h>
 

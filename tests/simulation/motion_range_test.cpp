@@ -8,7 +8,7 @@
 
 #include "assur/simulator.hpp"
 #include "numbers.hpp"
-#include "scene/samples.hpp"
+#include "samples/samples.hpp"
 #include "simulation/limited.hpp"
 #include "source_dir.hpp"
 #include "structure/look.hpp"

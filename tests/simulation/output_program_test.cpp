@@ -1,5 +1,5 @@
 // Outputs that are evaluated side by side, and angles against constant directions.
-#include "signals/output_program.hpp"
+#include "outputs/output_program.hpp"
 
 #include <gtest/gtest.h>
 
@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "assur/assur.hpp"
+#include "motion/layout.hpp"
 #include "numbers.hpp"
-#include "path/layout.hpp"
 #include "source_dir.hpp"
 
 namespace assur {

@@ -1,5 +1,5 @@
 // Outputs of mechanisms side by side have the bits of each mechanism alone.
-#include "signals/output_steps.hpp"
+#include "outputs/output_steps.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "assur/assur.hpp"
-#include "execute/step_code.hpp"
+#include "executors/step_code.hpp"
+#include "motion/layout.hpp"
 #include "numbers.hpp"
-#include "path/layout.hpp"
-#include "signals/angle_kernels.hpp"
+#include "outputs/angle_kernels.hpp"
 #include "source_dir.hpp"
 
 namespace assur {

@@ -5,7 +5,7 @@
 #include <functional>
 
 #include "backends/allocations.hpp"
-#include "path/predictor.hpp"
+#include "motion/predictor.hpp"
 #include "simulation/run.hpp"
 
 namespace assur {

@@ -8,7 +8,7 @@
 #include "assur/strategy.hpp"
 #include "assur/structure.hpp"
 #include "backends/backends.hpp"
-#include "planning/together_rules.hpp"
+#include "dispatch/together_rules.hpp"
 #include "simulation/random_mechanisms.hpp"
 
 namespace assur::test {

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "assur/number.hpp"
+#include "files/expression.hpp"
 #include "numbers.hpp"
-#include "scene/expression.hpp"
-#include "side_by_side/replay.hpp"
+#include "tables/replay.hpp"
 
 namespace assur {
 namespace {

@@ -1,13 +1,13 @@
 // The step of a small group in registers equals the step of GroupSolver, and has the same bits by kernels and by
 // machine code.
-#include "group/small_step.hpp"
+#include "groups/small_step.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
-#include "path/layout.hpp"
+#include "motion/layout.hpp"
 #include "program/group_step.hpp"
 #include "program/step_rules.hpp"
 #include "simulation/same_run.hpp"

@@ -1,5 +1,5 @@
 // A state keeps accepted postures while further ones are attempted, rejected and accepted.
-#include "path/state.hpp"
+#include "motion/state.hpp"
 
 #include <gtest/gtest.h>
 

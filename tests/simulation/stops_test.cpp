@@ -12,9 +12,9 @@
 #include "assur/motion_range.hpp"
 #include "assur/saved_plan.hpp"
 #include "backends/allocations.hpp"
+#include "motion/limit_watch.hpp"
 #include "numbers.hpp"
-#include "path/limit_watch.hpp"
-#include "scene/samples.hpp"
+#include "samples/samples.hpp"
 #include "simulation/run.hpp"
 
 namespace assur {

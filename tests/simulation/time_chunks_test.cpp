@@ -5,8 +5,8 @@
 #include <set>
 
 #include "decimal.hpp"
+#include "runs/chunks.hpp"
 #include "scene/shipped_files.hpp"
-#include "side_by_side/chunks.hpp"
 #include "simulation/conditions.hpp"
 #include "simulation/limited.hpp"
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "backends/allocations.hpp"
-#include "group/coupling.hpp"
+#include "groups/coupling.hpp"
 #include "index.hpp"
 #include "numbers.hpp"
 #include "scene/shipped_files.hpp"

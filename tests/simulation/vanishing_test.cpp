@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "scene/lowering.hpp"
-#include "scene/residual_scale.hpp"
+#include "equations/lowering.hpp"
+#include "equations/residual_scale.hpp"
 #include "simulation/run.hpp"
 
 namespace assur {

@@ -1,5 +1,5 @@
 // Ways to the start that lanes follow side by side, beside those that mechanisms follow alone.
-#include "side_by_side/walk_in_lanes.hpp"
+#include "tables/walk_in_lanes.hpp"
 
 #include <gtest/gtest.h>
 
@@ -12,13 +12,13 @@
 #include <vector>
 
 #include "assur/assur.hpp"
-#include "execute/step_code.hpp"
+#include "equations/lowering.hpp"
+#include "equations/own_values.hpp"
+#include "executors/step_code.hpp"
+#include "graph/blocks.hpp"
 #include "index.hpp"
-#include "scene/lowering.hpp"
-#include "scene/own_values.hpp"
 #include "simulation/random_mechanisms.hpp"
-#include "structure/blocks.hpp"
-#include "structure/way.hpp"
+#include "start/way.hpp"
 
 namespace assur {
 namespace {

@@ -1,5 +1,5 @@
 // Steps of small mechanisms are one call of machine code; what it declines is solved without it, with the same bits.
-#include "path/whole_step.hpp"
+#include "motion/whole_step.hpp"
 
 #include <gtest/gtest.h>
 
@@ -12,12 +12,12 @@
 #include <vector>
 
 #include "assur/simulator.hpp"
-#include "execute/step_code.hpp"
+#include "drivers/drive_program.hpp"
+#include "equations/lowering.hpp"
+#include "equations/system.hpp"
+#include "executors/step_code.hpp"
 #include "numbers.hpp"
-#include "scene/lowering.hpp"
 #include "scene/shipped_files.hpp"
-#include "scene/system.hpp"
-#include "signals/drive_program.hpp"
 #include "simulation/random_mechanisms.hpp"
 #include "simulation/same_run.hpp"
 

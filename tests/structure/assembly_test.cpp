@@ -1,5 +1,5 @@
 // The start posture from a poor guess.
-#include "structure/assembly.hpp"
+#include "start/assembly.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,9 +8,9 @@
 #include <random>
 
 #include "assur/plan.hpp"
+#include "equations/dense_block.hpp"
 #include "references/perturb.hpp"
-#include "structure/closest.hpp"
-#include "structure/dense_block.hpp"
+#include "start/closest.hpp"
 #include "structure/look.hpp"
 
 namespace assur {

@@ -1,11 +1,11 @@
 // Matching and Dulmage-Mendelsohn decomposition of equations x unknowns.
-#include "structure/blocks.hpp"
+#include "graph/blocks.hpp"
 
 #include <gtest/gtest.h>
 
 #include <numeric>
 
-#include "scene/lowering.hpp"
+#include "equations/lowering.hpp"
 #include "structure/look.hpp"
 
 namespace assur {

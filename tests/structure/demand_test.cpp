@@ -1,7 +1,7 @@
 // Parts that the outputs do not need are left out and listed.
 #include <gtest/gtest.h>
 
-#include "scene/samples.hpp"
+#include "samples/samples.hpp"
 #include "structure/look.hpp"
 
 namespace assur {

@@ -1,7 +1,7 @@
 // Groups, levels and classes of the samples; declared groups.
 #include <gtest/gtest.h>
 
-#include "scene/samples.hpp"
+#include "samples/samples.hpp"
 #include "structure/look.hpp"
 
 namespace assur {

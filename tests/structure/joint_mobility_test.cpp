@@ -13,7 +13,7 @@
 #include "assur/assur.hpp"
 #include "scene/triple.hpp"
 #include "simulation/random_count.hpp"
-#include "structure/redundant_sets.hpp"
+#include "start/redundant_sets.hpp"
 
 namespace assur {
 namespace {

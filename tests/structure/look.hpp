@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "assur/structure.hpp"
-#include "scene/system.hpp"
+#include "equations/system.hpp"
 
 namespace assur::look {
 

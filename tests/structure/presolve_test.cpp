@@ -5,8 +5,8 @@
 
 #include <numeric>
 
+#include "equations/lowering.hpp"
 #include "references/perturb.hpp"
-#include "scene/lowering.hpp"
 #include "structure/look.hpp"
 
 namespace assur {

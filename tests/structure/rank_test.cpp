@@ -1,5 +1,5 @@
 // Redundant equations and undetermined unknowns, by name.
-#include "structure/rank.hpp"
+#include "start/rank.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Redundancy as sets of joints or constraints, with the number of equations too many.
-#include "structure/redundant_sets.hpp"
+#include "start/redundant_sets.hpp"
 
 #include <gtest/gtest.h>
 

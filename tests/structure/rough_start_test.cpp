@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "assur/structure.hpp"
+#include "equations/lowering.hpp"
+#include "equations/system.hpp"
 #include "index.hpp"
-#include "scene/lowering.hpp"
-#include "scene/system.hpp"
 #include "source_dir.hpp"
-#include "structure/start.hpp"
+#include "start/start.hpp"
 
 namespace assur {
 namespace {

@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
+#include "equations/lowering.hpp"
+#include "equations/system.hpp"
 #include "index.hpp"
 #include "look.hpp"
-#include "scene/lowering.hpp"
-#include "scene/system.hpp"
-#include "structure/way.hpp"
+#include "start/way.hpp"
 
 namespace assur {
 namespace {

@@ -8,7 +8,7 @@
 #include <map>
 #include <set>
 
-#include "planning/pace.hpp"
+#include "dispatch/pace.hpp"
 #include "tuning/refinement.hpp"
 
 namespace assur::tuning {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "decompositions.hpp"
-#include "scene/system.hpp"
+#include "equations/system.hpp"
 
 namespace assur {
 std::vector<double> posture_of(const Simulator& simulator);  // all coordinates, internal units

@@ -3,7 +3,7 @@
 #include <numbers>
 
 #include "check/yardstick.hpp"
-#include "signals/output_program.hpp"
+#include "outputs/output_program.hpp"
 #include "verification/reference_motion.hpp"
 
 namespace assur::check {

@@ -7,10 +7,10 @@
 
 #include "assur/backend.hpp"
 #include "assur/structure.hpp"
+#include "dispatch/prior.hpp"
+#include "dispatch/strategies.hpp"
+#include "dispatch/together_rules.hpp"
 #include "output/format.hpp"
-#include "planning/prior.hpp"
-#include "planning/strategies.hpp"
-#include "planning/together_rules.hpp"
 
 namespace assur::check {
 namespace {

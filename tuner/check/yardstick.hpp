@@ -12,7 +12,7 @@
 #include "assur/plan.hpp"
 #include "assur/simulator.hpp"
 #include "check/closed_forms.hpp"
-#include "scene/outputs.hpp"
+#include "equations/outputs.hpp"
 
 namespace assur::check {
 

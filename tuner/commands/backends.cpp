@@ -2,7 +2,7 @@
 
 #include "assur/backend.hpp"
 #include "commands/commands.hpp"
-#include "execute/step_code.hpp"
+#include "executors/step_code.hpp"
 #include "output/json.hpp"
 #include "output/notes.hpp"
 #include "output/page.hpp"

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <set>
 
+#include "dispatch/dispatcher.hpp"
 #include "index.hpp"
 #include "output/format.hpp"
-#include "planning/dispatcher.hpp"
 
 namespace assur::output {
 namespace {

@@ -13,11 +13,11 @@
 #include "commands/run_parts.hpp"
 #include "commands/run_report.hpp"
 #include "commands/start_modes.hpp"
+#include "equations/outputs.hpp"
 #include "output/format.hpp"
 #include "output/motion_files.hpp"
 #include "output/progress.hpp"
 #include "parallel/free_memory.hpp"
-#include "scene/outputs.hpp"
 
 namespace assur::command {
 namespace {

@@ -4,7 +4,7 @@
 #include "output/format.hpp"
 #include "output/json.hpp"
 #include "output/page.hpp"
-#include "scene/samples.hpp"
+#include "samples/samples.hpp"
 
 namespace assur::command {
 namespace {

@@ -6,12 +6,12 @@
 
 #include "commands/left_out.hpp"
 #include "decimal.hpp"
+#include "equations/system.hpp"
 #include "index.hpp"
 #include "output/format.hpp"
 #include "output/notes.hpp"
-#include "scene/system.hpp"
+#include "start/redundant_sets.hpp"
 #include "status_text.hpp"
-#include "structure/redundant_sets.hpp"
 
 namespace assur::output {
 namespace {

@@ -5,7 +5,7 @@
 #include <numeric>
 #include <random>
 
-#include "equations/evaluator.hpp"
+#include "evaluation/evaluator.hpp"
 #include "measure/postures.hpp"
 
 namespace assur::measure {

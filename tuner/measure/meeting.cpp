@@ -2,7 +2,7 @@
 
 #include <chrono>
 
-#include "planning/prior.hpp"
+#include "dispatch/prior.hpp"
 
 namespace assur::measure {
 

@@ -8,13 +8,13 @@
 #include <utility>
 #include <vector>
 
-#include "equations/evaluator.hpp"
+#include "drivers/inputs.hpp"
+#include "evaluation/evaluator.hpp"
 #include "index.hpp"
 #include "measure/postures.hpp"
+#include "motion/layout.hpp"
+#include "motion/together.hpp"
 #include "parallel/thread_state.hpp"
-#include "path/layout.hpp"
-#include "path/together.hpp"
-#include "signals/inputs.hpp"
 
 namespace assur::measure {
 namespace {

@@ -11,9 +11,9 @@
 #include "assur/plan.hpp"
 #include "assur/scene.hpp"
 #include "assur/status.hpp"
+#include "dispatch/counts.hpp"
 #include "measure/motion.hpp"
 #include "measure/step_times.hpp"
-#include "planning/counts.hpp"
 
 namespace assur::measure {
 namespace {

@@ -1,6 +1,6 @@
 #include "measure/postures.hpp"
 
-#include "scene/system.hpp"
+#include "equations/system.hpp"
 
 namespace assur::measure {
 namespace {

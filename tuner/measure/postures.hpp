@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "assur/structure.hpp"
-#include "equations/coefficients.hpp"
+#include "evaluation/coefficients.hpp"
 
 namespace assur::measure {
 

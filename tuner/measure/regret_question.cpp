@@ -8,12 +8,12 @@
 
 #include "assur/assur.hpp"
 #include "backends/backends.hpp"
+#include "dispatch/strategies.hpp"
+#include "dispatch/together_rules.hpp"
 #include "measure/motion.hpp"
 #include "measure/step_times.hpp"
 #include "measure/ways.hpp"
 #include "median.hpp"
-#include "planning/strategies.hpp"
-#include "planning/together_rules.hpp"
 
 namespace assur::measure {
 namespace {

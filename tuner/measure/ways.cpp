@@ -6,8 +6,8 @@
 
 #include "assur/backend.hpp"
 #include "backends/backends.hpp"
-#include "planning/strategies.hpp"
-#include "planning/together_rules.hpp"
+#include "dispatch/strategies.hpp"
+#include "dispatch/together_rules.hpp"
 
 namespace assur::measure {
 namespace {

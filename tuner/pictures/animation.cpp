@@ -8,6 +8,8 @@
 #include <unordered_map>
 #include <utility>
 
+#include "equations/outputs.hpp"
+#include "equations/system.hpp"
 #include "numbers.hpp"
 #include "output/format.hpp"
 #include "pictures/animation_files.hpp"
@@ -15,10 +17,8 @@
 #include "pictures/html.hpp"
 #include "pictures/moving_picture.hpp"
 #include "pictures/packed.hpp"
-#include "scene/outputs.hpp"
-#include "scene/system.hpp"
+#include "start/closest.hpp"
 #include "status_text.hpp"
-#include "structure/closest.hpp"
 
 namespace assur::pictures {
 namespace {

@@ -8,8 +8,8 @@
 #include <variant>
 
 #include "assur/structure.hpp"
+#include "equations/system.hpp"
 #include "index.hpp"
-#include "scene/system.hpp"
 
 namespace assur::pictures {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "scene/outputs.hpp"
+#include "equations/outputs.hpp"
 
 namespace assur::pictures {
 namespace {

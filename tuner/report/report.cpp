@@ -5,13 +5,13 @@
 #include <ctime>
 #include <sstream>
 
+#include "files/input_file.hpp"
 #include "measure/noise.hpp"
 #include "measure/step_times.hpp"
 #include "output/format.hpp"
 #include "output/replace_file.hpp"
 #include "report/page.hpp"
 #include "report/paper/tables.hpp"
-#include "scene/input_file.hpp"
 
 namespace assur::report {
 namespace {

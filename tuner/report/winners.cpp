@@ -7,10 +7,10 @@
 #include "assur/scene.hpp"
 #include "assur/structure.hpp"
 #include "decimal.hpp"
+#include "dispatch/counts.hpp"
 #include "output/format.hpp"
 #include "pictures/heat_map.hpp"
 #include "pictures/plot.hpp"
-#include "planning/counts.hpp"
 #include "report/sections.hpp"
 #include "tuning/mechanisms.hpp"
 

@@ -7,11 +7,11 @@
 #include <utility>
 
 #include "assur/structure.hpp"
+#include "equations/outputs.hpp"
 #include "numbers.hpp"
 #include "output/format.hpp"
+#include "runs/row_takers.hpp"
 #include "scene/names.hpp"
-#include "scene/outputs.hpp"
-#include "side_by_side/row_takers.hpp"
 
 namespace assur::sweep {
 namespace {

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "assur/status.hpp"
+#include "dispatch/prior.hpp"
 #include "numbers.hpp"
-#include "planning/prior.hpp"
 
 namespace assur::tuning {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "planning/strategies.hpp"
+#include "dispatch/strategies.hpp"
 
 namespace assur::tuning {
 namespace {

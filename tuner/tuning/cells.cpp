@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "assur/plan.hpp"
-#include "planning/together_rules.hpp"
+#include "dispatch/together_rules.hpp"
 #include "tuning/mechanisms.hpp"
 
 namespace assur::tuning {

@@ -6,13 +6,13 @@
 
 #include "assur/machine.hpp"
 #include "assur/plan.hpp"
+#include "dispatch/counts.hpp"
+#include "dispatch/dispatcher.hpp"
+#include "dispatch/together_rules.hpp"
 #include "measure/linear.hpp"
 #include "measure/meeting.hpp"
 #include "measure/motion.hpp"
 #include "numbers.hpp"
-#include "planning/counts.hpp"
-#include "planning/dispatcher.hpp"
-#include "planning/together_rules.hpp"
 
 namespace assur::tuning {
 namespace {

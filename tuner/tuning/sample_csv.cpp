@@ -4,7 +4,7 @@
 #include <string>
 
 #include "decimal.hpp"
-#include "planning/pace.hpp"
+#include "dispatch/pace.hpp"
 
 namespace assur::tuning {
 namespace {

@@ -1,0 +1,665 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+#include <tuple>
+#include <utility>
+
+#include "assur/performance.hpp"
+#include "assur/status.hpp"
+#include "dispatch/curve.hpp"
+#include "dispatch/impossible.hpp"
+#include "dispatch/prior.hpp"
+#include "median.hpp"
+
+namespace assur {
+namespace {
+
+struct NamedKernel {
+  Kernel kernel;
+  std::string_view name;
+};
+constexpr std::array kKernels = {NamedKernel{Kernel::evaluate, "evaluate"}, NamedKernel{Kernel::factor, "factor"},
+                                 NamedKernel{Kernel::solve, "solve"},       NamedKernel{Kernel::pack, "pack"},
+                                 NamedKernel{Kernel::meeting, "meeting"},   NamedKernel{Kernel::step, "step"},
+                                 NamedKernel{Kernel::around, "around"}};
+
+// The parts of a strategy on which the time of a kernel depends. Solvers differ by backend, precision and threads; W is
+// separate, so that another W can stand in.
+struct Variant {
+  std::int32_t backend = 0;  // its number in BackendNumbers
+  bool single = false, refine = false, once = false, separate = false, together = false;
+  Reuse reuse = Reuse::fresh;
+  std::int32_t q = 1, lanes = 1;
+
+  friend auto operator<=>(const Variant&, const Variant&) = default;
+};
+
+// Numbers the backends of the registry and of all samples, from 1 in alphabetical order.
+class BackendNumbers {
+ public:
+  BackendNumbers() {
+    for (const Backend& backend : backends()) add(backend.id);
+  }
+  void add(std::string_view name) {
+    if (number_of(name) >= 0) return;
+    names_.emplace(std::lower_bound(names_.begin(), names_.end(), name), name);
+  }
+  // -1: neither has this backend.
+  [[nodiscard]] std::int32_t number_of(std::string_view name) const {
+    const auto found = std::find(names_.begin(), names_.end(), name);
+    return found == names_.end() ? -1 : static_cast<std::int32_t>(found - names_.begin()) + 1;
+  }
+
+ private:
+  std::vector<std::string> names_;
+};
+
+Variant variant_of(Kernel kernel, const Strategy& s, const BackendNumbers& names) {
+  if (kernel == Kernel::around) return {};  // independent of the solvers of the groups
+  if (kernel == Kernel::evaluate) return {.lanes = s.solver.lanes};
+  Variant v{.backend = names.number_of(s.solver.backend),
+            .single = s.solver.single,
+            .refine = s.solver.refine,
+            .q = s.solver.threads,
+            .lanes = s.solver.lanes};
+  if (kernel == Kernel::pack) {
+    v.once = s.solver.once;
+    v.separate = s.solver.separate;
+    v.together = s.run.together;
+    v.reuse = s.solver.reuse;
+  }
+  return v;
+}
+
+// The parts of a shape on which the time of a kernel depends.
+struct KernelShape {
+  std::uint64_t pattern;
+  std::int64_t terms;
+  std::int32_t n, nnz, groups, rhs;
+
+  friend auto operator<=>(const KernelShape&, const KernelShape&) = default;
+};
+
+// A solver takes the same time for a bare matrix and for a group with the same pattern.
+KernelShape kernel_shape(Kernel kernel, const Shape& shape) {
+  const bool solver = kernel == Kernel::factor || kernel == Kernel::solve;
+  const bool pack = kernel == Kernel::pack;
+  return {shape.pattern, solver ? 0 : shape.terms, shape.n, shape.nnz, pack ? shape.groups : 1, pack ? shape.rhs : 1};
+}
+
+struct Cell {  // samples of one cell measure the same work
+  Kernel kernel;
+  std::int32_t variant, shape;  // their numbers
+
+  friend bool operator==(const Cell&, const Cell&) = default;
+  friend auto operator<=>(const Cell& a, const Cell& b) { return a.rank() <=> b.rank(); }
+
+ private:
+  // Samples are fewer than 2^28.
+  [[nodiscard]] std::uint64_t rank() const {
+    return static_cast<std::uint64_t>(kernel) << 56 | static_cast<std::uint64_t>(variant) << 28 |
+           static_cast<std::uint64_t>(shape);
+  }
+};
+
+// Figures of a cell.
+struct Known {
+  Cell cell{};
+  double seconds = 0;
+  float noise = 0, backward_error = 0;
+
+  [[nodiscard]] Prediction prediction() const {
+    return {seconds, std::exp(std::max<double>(noise, 0.02)), Origin::measured};
+  }
+  friend bool operator<(const Known& a, const Cell& b) { return a.cell < b; }
+};
+
+// The figures of a cell with one of its samples, for fitting curves.
+struct Gathered {
+  Cell cell;
+  const Sample* example;
+  double seconds = 0, noise = 0, backward_error = 0;
+
+  friend bool operator<(const Gathered& a, const Cell& b) { return a.cell < b; }
+};
+using Cells = std::vector<Gathered>;  // ascending
+using Curves = std::map<std::int32_t, Curve>;
+
+double positive_log(double x) { return std::log(std::max(x, 1.0)); }
+
+// Bytes of a group: coefficients, state and factors.
+double bytes_of_group(const Shape& s) { return 8 * (4.0 * s.n + 2.0 * s.nnz + static_cast<double>(s.fill + s.terms)); }
+
+// Rises from 0 to 1 as `bytes` outgrow a cache of this size.
+double beyond(double bytes, double cache) {
+  const double ratio = bytes / cache;
+  return ratio * ratio / (1 + ratio * ratio);
+}
+constexpr double kMostOff = 20;    // a machine is at most this many times as fast as the prior assumes
+constexpr double kFewSamples = 5;  // this many samples weigh as much as the prior in the speed of a machine
+constexpr double kMostNoise = 1;   // the median of deviations from the median of positive numbers is not above it
+constexpr double kMostError = std::numeric_limits<float>::max();
+constexpr double kSmallCache = 1 << 20, kLargeCache = 1 << 24;  // bytes; nearby samples correct for the own caches
+
+FitPoint point_of(Kernel kernel, const Shape& shape, const Strategy& strategy) {
+  const double n = shape.n, nnz = shape.nnz, fill = static_cast<double>(shape.fill);
+  const double operations = static_cast<double>(shape.operations), terms = static_cast<double>(shape.terms);
+  const double deep = static_cast<double>(shape.depth);
+  const double size = positive_log(n), filled = positive_log(fill / std::max(n, 1.0));
+  switch (kernel) {
+    case Kernel::factor:
+      if (is_dense(strategy)) return {{1, n, n * n, n * n * n, fill}, {size, filled}};
+      return {{1, n, fill, operations, deep}, {size, filled}};
+    case Kernel::solve:
+      if (is_dense(strategy)) return {{1, n, n * n}, {size, filled}};
+      return {{1, n, fill, nnz, deep}, {size, filled}};
+    case Kernel::evaluate:
+      return {{1, n, terms, nnz}, {size, positive_log(terms / std::max(n, 1.0))}};
+    default: {
+      const double one = bytes_of_group(shape), all = one * shape.groups, moved = one * strategy.solver.lanes;
+      return {{1, n, nnz, moved * beyond(all, kSmallCache), moved * beyond(all, kLargeCache)},
+              {size, filled, in_registers(shape, strategy) ? 10.0 : 0.0, 0.15 * positive_log(all)}};
+    }
+  }
+}
+
+Prediction combined(std::initializer_list<std::pair<double, Prediction>> parts) {
+  Prediction sum{0, 1, Origin::measured};
+  double variance = 0;
+  for (const auto& [times, part] : parts) {
+    if (times <= 0) continue;
+    sum.seconds += times * part.seconds;
+    variance += std::pow(times * part.seconds * std::log(part.factor), 2);
+    sum.origin = std::max(sum.origin, part.origin);
+  }
+  if (sum.seconds > 0) sum.factor = std::exp(std::sqrt(variance) / sum.seconds);
+  return sum;
+}
+
+}  // namespace
+
+std::string_view name(Kernel kernel) noexcept {
+  for (const NamedKernel& k : kKernels) {
+    if (k.kernel == kernel) return k.name;
+  }
+  return "unknown";
+}
+
+Kernel parse_kernel(std::string_view text) {
+  for (const NamedKernel& k : kKernels) {
+    if (k.name == text) return k.kernel;
+  }
+  std::string known;
+  for (const NamedKernel& k : kKernels) known += (known.empty() ? "" : ", ") + std::string(k.name);
+  throw Error(Error::Kind::input, '"' + std::string(text) + "\" is not a kernel; the kernels are " + known);
+}
+
+std::string_view name(Origin origin) noexcept {
+  constexpr std::array<std::string_view, 4> kNames = {"measured", "interpolated", "extrapolated", "prior"};
+  return kNames[static_cast<std::size_t>(origin)];
+}
+
+struct PerformanceModel::Impl {
+  // Times of kernels for one shape, which most strategies share.
+  class Kernels {
+   public:
+    Kernels(const Impl& model, const Shape& shape) : model_(model), shape_(shape) {}
+
+    [[nodiscard]] const Shape& shape() const { return shape_; }
+    const Prediction& of(Kernel kernel, const Strategy& strategy) {
+      const auto [at, is_new] = known_.try_emplace({kernel, variant_of(kernel, strategy, model_.names)});
+      if (is_new) at->second = model_.predict(kernel, shape_, strategy);
+      return at->second;
+    }
+    // Depends only on W for packs that are not solved in registers.
+    const Prediction& rest_of_pack(const Strategy& strategy) {
+      const auto [at, is_new] = rests_.try_emplace(strategy.solver.lanes);
+      if (is_new) at->second = model_.measured_rest(shape_, strategy);
+      return at->second;
+    }
+
+   private:
+    const Impl& model_;
+    const Shape& shape_;
+    std::map<std::pair<Kernel, Variant>, Prediction> known_;
+    std::map<std::int32_t, Prediction> rests_;
+  };
+
+  // Such times for the shapes of all packs.
+  class KernelsOfShapes {
+   public:
+    explicit KernelsOfShapes(const Impl& model) : model_(model) {}
+
+    Kernels& of(const Gathered& g) { return shapes_.try_emplace(g.cell.shape, model_, g.example->shape).first->second; }
+
+   private:
+    const Impl& model_;
+    std::map<std::int32_t, Kernels> shapes_;
+  };
+
+  Impl(const std::vector<Sample>& samples, std::string from) : source(std::move(from)), count(samples.size()) {
+    const Cells cells = gather(samples);
+    known.reserve(cells.size());
+    for (const Gathered& g : cells) {
+      known.push_back({g.cell, g.seconds, static_cast<float>(g.noise), static_cast<float>(g.backward_error)});
+    }
+    for (const Kernel kernel : {Kernel::evaluate, Kernel::factor, Kernel::solve}) fit(kernel, cells);
+    KernelsOfShapes kernels(*this);
+    fit_rest(cells, kernels);
+    fit_packs(cells, kernels);
+    fit_around(cells);
+  }
+
+  // Numbers variants and shapes in their own order, so that the order of samples does not matter.
+  std::vector<Cell> cells_of(const std::vector<Sample>& samples) {
+    for (const Sample& s : samples) names.add(s.strategy.solver.backend);
+    std::vector<std::pair<std::map<Variant, std::int32_t>::iterator, std::map<KernelShape, std::int32_t>::iterator>> at;
+    at.reserve(samples.size());
+    std::map<KernelShape, std::int32_t> numbered;
+    for (const Sample& s : samples) {
+      const Variant variant = variant_of(s.kernel, s.strategy, names);
+      const KernelShape shape = kernel_shape(s.kernel, s.shape);
+      // Most samples share one or both of them with the sample before.
+      const bool same_variant = !at.empty() && at.back().first->first == variant;
+      const bool same_shape = !at.empty() && at.back().second->first == shape;
+      at.emplace_back(same_variant ? at.back().first : numbers.try_emplace(variant, 0).first,
+                      same_shape ? at.back().second : numbered.try_emplace(shape, 0).first);
+    }
+    for (std::int32_t next = 0; auto& [variant, number] : numbers) number = next++;
+    for (auto& [shape, number] : numbered) {
+      number = static_cast<std::int32_t>(shapes.size());
+      shapes.push_back(shape);
+    }
+    std::vector<Cell> cells;
+    cells.reserve(samples.size());
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      cells.push_back({samples[i].kernel, at[i].first->second, at[i].second->second});
+    }
+    return cells;
+  }
+
+  // Takes the median of repeated measurements.
+  Cells gather(const std::vector<Sample>& samples) {
+    std::vector<std::pair<Cell, const Sample*>> all;
+    all.reserve(samples.size());
+    std::map<std::int32_t, std::map<Cell, std::vector<double>>> crowds;  // p: packs solved while p threads work
+    const std::vector<Cell> cells = cells_of(samples);
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      const Sample& s = samples[i];
+      if (!why_impossible(s).empty()) continue;
+      const Cell& cell = cells[i];
+      if (s.kernel == Kernel::meeting) {
+        const double together = std::max(s.seconds - kAloneBeforeMeeting, 0.0);
+        (s.shape.n == 0 ? meetings : handovers)[s.strategy.run.threads].push_back(together / std::max(s.shape.n, 1));
+      } else if (s.kernel == Kernel::pack && s.strategy.run.threads > 1) {
+        crowds[s.strategy.run.threads][cell].push_back(s.seconds);
+      } else if (s.kernel != Kernel::step) {
+        all.emplace_back(cell, &s);
+      }
+    }
+    std::sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    Cells gathered;
+    gathered.reserve(all.size());
+    std::vector<double> seconds, noise;
+    for (auto begin = all.begin(), end = begin; begin != all.end(); begin = end) {
+      seconds.clear();
+      noise.clear();
+      double error = 0;
+      for (; end != all.end() && end->first == begin->first; ++end) {
+        const Sample& s = *end->second;
+        seconds.push_back(s.seconds);
+        noise.push_back(std::min(s.spread / s.seconds, kMostNoise));
+        if (s.backward_error > error) error = std::min(s.backward_error, kMostError);
+      }
+      const bool once = seconds.size() == 1;
+      gathered.push_back(
+          {begin->first, begin->second, once ? seconds[0] : median(seconds), once ? noise[0] : median(noise), error});
+    }
+    for (const auto& [p, crowd] : crowds) {
+      std::map<std::int32_t, std::vector<double>> ratios;  // n
+      for (const auto& [cell, seconds_of] : crowd) {
+        const auto alone = std::lower_bound(gathered.begin(), gathered.end(), cell);
+        if (alone == gathered.end() || alone->cell != cell) continue;
+        ratios[shape_at(cell).n].push_back(
+            std::clamp(median(seconds_of) / alone->seconds, 1.0, static_cast<double>(p)));
+      }
+      // Other programs take cores for seconds at a time, which the median ignores.
+      for (const auto& [n, of] : ratios) contentions[p][n] = median(of);
+    }
+    return gathered;
+  }
+
+  // Fits one curve for each variant of a kernel; point(g): the place of a measurement.
+  template <class Point>
+  static Curves curves_of(Kernel kernel, const Cells& cells, const Point& point) {
+    Curves curves;
+    std::vector<Curve::Measured> measured;
+    const Cell first{kernel, 0, 0};
+    auto g = std::lower_bound(cells.begin(), cells.end(), first);
+    while (g != cells.end() && g->cell.kernel == kernel) {
+      const std::int32_t variant = g->cell.variant;
+      measured.clear();
+      for (; g != cells.end() && g->cell.kernel == kernel && g->cell.variant == variant; ++g) {
+        measured.push_back({point(*g), g->seconds, g->noise});
+      }
+      curves.emplace_hint(curves.end(), variant, Curve(measured));
+    }
+    return curves;
+  }
+
+  void fit(Kernel kernel, const Cells& cells) {
+    std::vector<double> ratios;
+    ratios.reserve(cells.size());
+    const auto k = static_cast<std::size_t>(kernel);
+    curve[k] = curves_of(kernel, cells, [&](const Gathered& g) {
+      const Sample& s = *g.example;
+      ratios.push_back(g.seconds / prior_seconds(kernel, s.shape, s.strategy));
+      return point_of(kernel, s.shape, s.strategy);
+    });
+    if (ratios.empty()) return;
+    // A few samples may be of kernels that the prior predicts worst.
+    const double trust = static_cast<double>(ratios.size()) / (static_cast<double>(ratios.size()) + kFewSamples);
+    speed[k] = std::pow(median(std::move(ratios)), trust);
+  }
+
+  // Fits the time of a pack besides its kernels, by W. It does not depend on the solver, so the fastest solver shows it
+  // best.
+  void fit_rest(const Cells& cells, KernelsOfShapes& kernels) {
+    using CellKey = std::tuple<std::int32_t, std::uint64_t, std::int64_t, std::int32_t>;
+    std::map<CellKey, const Gathered*> quickest;
+    for (const Gathered& g : cells) {
+      if (g.cell.kernel != Kernel::pack) continue;
+      const Strategy& s = g.example->strategy;
+      if (in_registers(g.example->shape, s) || s.solver.once || s.solver.reuse != Reuse::fresh) continue;
+      const auto& [pattern, terms, n, nnz, groups, rhs] = shape_at(g.cell);
+      const Gathered*& best = quickest[{s.solver.lanes, pattern, terms, groups}];
+      if (best == nullptr || g.seconds < best->seconds) best = &g;
+    }
+    std::map<std::int32_t, std::vector<Curve::Measured>> points;
+    for (const auto& [place, g] : quickest) {
+      const auto& [shape, strategy] = std::tie(g->example->shape, g->example->strategy);
+      const Prediction parts = kernels_of_pack(kernels.of(*g), strategy);
+      const double rest_of_it = g->seconds - parts.seconds;
+      if (parts.origin == Origin::prior || rest_of_it < 0.05 * g->seconds) continue;  // else it is only noise
+      points[strategy.solver.lanes].push_back({point_of(Kernel::pack, shape, strategy), rest_of_it, g->noise});
+    }
+    for (auto& [lanes, measured] : points) rest.emplace(lanes, Curve(measured));
+  }
+
+  // Fits the time of whole packs beyond the sum of their parts.
+  void fit_packs(const Cells& cells, KernelsOfShapes& kernels) {
+    packs = curves_of(Kernel::pack, cells, [&](const Gathered& g) {
+      const auto& [shape, strategy] = std::tie(g.example->shape, g.example->strategy);
+      return pack_point(shape, strategy, composed(kernels.of(g), strategy).seconds);
+    });
+  }
+
+  // Fits the ratio to the prior, because mechanisms are too few to separate its terms. Differences of times scatter
+  // more than times do; nearby measurements are still better than the fit.
+  void fit_around(const Cells& cells) {
+    std::vector<Curve::Measured> points;
+    for (const Gathered& g : cells) {
+      if (g.cell.kernel != Kernel::around) continue;
+      const KernelShape& shape = shape_at(g.cell);
+      points.push_back({around_point(shape.n, shape.terms), g.seconds, 0});
+    }
+    if (!points.empty()) around.emplace(points);
+  }
+
+  [[nodiscard]] static FitPoint around_point(std::int64_t unknowns, std::int64_t pieces) {
+    return {{prior_around_seconds(unknowns, pieces)},
+            {positive_log(static_cast<double>(unknowns)), positive_log(static_cast<double>(pieces))}};
+  }
+
+  // parts: seconds of composed().
+  [[nodiscard]] static FitPoint pack_point(const Shape& shape, const Strategy& strategy, double parts) {
+    FitPoint point = point_of(Kernel::pack, shape, strategy);
+    point.terms = {parts};
+    return point;
+  }
+
+  [[nodiscard]] static Prediction kernels_of_pack(Kernels& kernels, const Strategy& s) {
+    const StepCounts counts = step_counts(s, kernels.shape().rhs - 1);
+    return combined({{counts.evaluations, kernels.of(Kernel::evaluate, s)},
+                     {counts.factorizations, kernels.of(Kernel::factor, s)},
+                     {counts.solutions, kernels.of(Kernel::solve, s)}});
+  }
+
+  [[nodiscard]] Prediction composed(Kernels& kernels, const Strategy& s) const {
+    const Shape& shape = kernels.shape();
+    if (in_registers(shape, s)) return {prior_seconds(Kernel::pack, shape, s) * speed_of_all(), 2, Origin::prior};
+    return combined({{1, kernels_of_pack(kernels, s)}, {1, rest_of_pack(kernels, s)}});
+  }
+
+  [[nodiscard]] Prediction rest_of_pack(Kernels& kernels, const Strategy& s) const {
+    if (!rest.empty()) return kernels.rest_of_pack(s);
+    const Shape& shape = kernels.shape();
+    const StepCounts counts = step_counts(s, shape.rhs - 1);
+    const double of_kernels = counts.evaluations * prior_seconds(Kernel::evaluate, shape, s) +
+                              counts.factorizations * prior_seconds(Kernel::factor, shape, s) +
+                              counts.solutions * prior_seconds(Kernel::solve, shape, s);
+    return {(prior_seconds(Kernel::pack, shape, s) - of_kernels) * speed_of_all(), 2, Origin::prior};
+  }
+
+  // Uses the curve of this W, or else of the nearest W. At least one exists.
+  [[nodiscard]] Prediction measured_rest(const Shape& shape, const Strategy& s) const {
+    const FitPoint point = point_of(Kernel::pack, shape, s);
+    if (const auto found = rest.find(s.solver.lanes); found != rest.end()) return found->second.at(point);
+    const auto nearest = std::min_element(rest.begin(), rest.end(), [&](const auto& a, const auto& b) {
+      return std::abs(a.first - s.solver.lanes) < std::abs(b.first - s.solver.lanes);
+    });
+    Prediction there = nearest->second.at(point);
+    there.origin = Origin::extrapolated;
+    return there;
+  }
+
+  // Speed of this machine relative to that of the prior.
+  [[nodiscard]] double speed_of_all() const { return speed[static_cast<std::size_t>(Kernel::evaluate)]; }
+
+  [[nodiscard]] const KernelShape& shape_at(const Cell& cell) const {
+    return shapes[static_cast<std::size_t>(cell.shape)];
+  }
+
+  // -1: no sample has this variant.
+  [[nodiscard]] std::int32_t number_of(const Variant& variant) const {
+    const auto found = numbers.find(variant);
+    return found == numbers.end() ? -1 : found->second;
+  }
+
+  [[nodiscard]] const Known* exactly(Kernel kernel, const Shape& shape, std::int32_t variant) const {
+    if (shape.pattern == 0 || variant < 0) return nullptr;
+    const KernelShape wanted = kernel_shape(kernel, shape);
+    const auto at = std::lower_bound(shapes.begin(), shapes.end(), wanted);
+    if (at == shapes.end() || *at != wanted) return nullptr;
+    const Cell cell{kernel, variant, static_cast<std::int32_t>(at - shapes.begin())};
+    const auto found = std::lower_bound(known.begin(), known.end(), cell);
+    return found == known.end() || found->cell != cell ? nullptr : &*found;
+  }
+
+  [[nodiscard]] Prediction predict(Kernel kernel, const Shape& shape, const Strategy& strategy) const {
+    const Variant wanted = variant_of(kernel, strategy, names);
+    const std::int32_t variant = number_of(wanted);
+    if (const Known* k = exactly(kernel, shape, variant)) return k->prediction();
+    const auto& curves = curve[static_cast<std::size_t>(kernel)];
+    const FitPoint point = point_of(kernel, shape, strategy);
+    const double prior = prior_seconds(kernel, shape, strategy);
+    const double otherwise = prior * speed[static_cast<std::size_t>(kernel)];
+    const auto plausible = [&](Prediction p) {
+      p.seconds = std::max(p.seconds, prior / kMostOff);
+      return p;
+    };
+    if (const auto found = curves.find(variant); found != curves.end()) {
+      return plausible(found->second.at(point, otherwise));
+    }
+    if (const auto next = stand_in(curves, wanted); next != numbers.end()) {
+      Strategy other = strategy;
+      other.solver.lanes = next->first.lanes;
+      other.solver.threads = next->first.q;
+      const double scale = prior / prior_seconds(kernel, shape, other);
+      Prediction there = curves.at(next->second).at(point, otherwise / scale);
+      there.seconds *= scale;
+      there.factor *= 1.5;
+      there.origin = Origin::extrapolated;
+      return plausible(there);
+    }
+    return plausible({otherwise, 2, Origin::prior});
+  }
+
+  // The nearest variant of the same solver, with another W or other threads, that has a curve; end: there is none.
+  [[nodiscard]] std::map<Variant, std::int32_t>::const_iterator stand_in(const Curves& curves,
+                                                                         const Variant& wanted) const {
+    auto best = numbers.end();
+    double least = 0;
+    Variant first = wanted;  // first variant of this solver; its variants are consecutive
+    first.q = first.lanes = 0;
+    const auto same_solver = [&](const Variant& v) {
+      const auto solver = [](const Variant& of) {
+        return std::tie(of.backend, of.single, of.refine, of.once, of.separate, of.together, of.reuse);
+      };
+      return solver(v) == solver(wanted);
+    };
+    for (auto at = numbers.lower_bound(first); at != numbers.end() && same_solver(at->first); ++at) {
+      if (!curves.contains(at->second)) continue;
+      const double distance = std::abs(std::log(static_cast<double>(at->first.lanes) / wanted.lanes)) +
+                              std::abs(std::log(static_cast<double>(at->first.q) / wanted.q));
+      if (best != numbers.end() && distance >= least) continue;
+      best = at;
+      least = distance;
+    }
+    return best;
+  }
+
+  [[nodiscard]] Prediction pack(Kernels& kernels, const Strategy& strategy) const {
+    const Shape& shape = kernels.shape();
+    Variant variant = variant_of(Kernel::pack, strategy, names);
+    const std::int32_t number = number_of(variant);
+    if (const Known* k = exactly(Kernel::pack, shape, number)) return k->prediction();
+    const Prediction sum = composed(kernels, strategy);
+    auto found = packs.find(number);
+    if (found == packs.end()) {  // same solver with another W, or else with the plain policy
+      const auto next = stand_in(packs, variant);
+      variant.once = variant.separate = variant.together = false;
+      variant.reuse = Reuse::fresh;
+      found = packs.find(next == numbers.end() ? number_of(variant) : next->second);
+    }
+    if (found == packs.end()) return sum;
+    Prediction whole = found->second.at(pack_point(shape, strategy, sum.seconds), sum.seconds);
+    whole.seconds = std::max(whole.seconds, prior_seconds(Kernel::pack, shape, strategy) / kMostOff);
+    if (in_registers(shape, strategy)) return whole;
+    return {whole.seconds, std::max(whole.factor, std::min(sum.factor, 1.5)), std::max(sum.origin, whole.origin)};
+  }
+
+  std::string source;
+  std::size_t count = 0;
+  BackendNumbers names;
+  std::map<Variant, std::int32_t> numbers;
+  std::vector<KernelShape> shapes;       // ascending
+  std::vector<Known> known;              // ascending
+  std::array<Curves, 3> curve;           // evaluate, factor, solve; by variant
+  std::array<double, 3> speed{1, 1, 1};  // measured over prior time of each of these kernels
+  Curves rest;                           // W
+  Curves packs;                          // by variant
+  std::optional<Curve> around;
+  std::map<std::int32_t, std::vector<double>> meetings;                // p
+  std::map<std::int32_t, std::vector<double>> handovers;               // p; s for each double
+  std::map<std::int32_t, std::map<std::int32_t, double>> contentions;  // p; n
+};
+
+PerformanceModel::PerformanceModel() : PerformanceModel(std::vector<Sample>{}, "nothing was measured") {}
+
+PerformanceModel::PerformanceModel(std::vector<Sample> samples, std::string source)
+    : impl_(std::make_shared<Impl>(samples, std::move(source))) {}
+
+PerformanceModel::~PerformanceModel() = default;
+
+Prediction PerformanceModel::kernel(Kernel kernel, const Shape& shape, const Strategy& strategy) const {
+  switch (kernel) {
+    case Kernel::pack:
+      return pack(shape, strategy);
+    case Kernel::meeting:
+      return meeting(strategy.run.threads);
+    case Kernel::step: {
+      Prediction whole = pack(shape, strategy);
+      const double packs = std::ceil(static_cast<double>(shape.groups) / strategy.solver.lanes);
+      whole.seconds *= std::ceil(packs / strategy.run.threads) * contention(strategy.run.threads, shape.n);
+      whole.seconds += meeting(strategy.run.threads).seconds + around(std::int64_t{shape.n} * shape.groups).seconds;
+      return whole;
+    }
+    case Kernel::around:
+      return around(shape.n, shape.terms);
+    default:
+      return impl_->predict(kernel, shape, strategy);
+  }
+}
+
+Prediction PerformanceModel::pack(const Shape& shape, const Strategy& strategy) const {
+  return packs(shape, {&strategy, 1})[0];
+}
+
+std::vector<Prediction> PerformanceModel::packs(const Shape& shape, std::span<const Strategy> strategies) const {
+  Impl::Kernels kernels(*impl_, shape);
+  std::vector<Prediction> all;
+  for (const Strategy& strategy : strategies) all.push_back(impl_->pack(kernels, strategy));
+  return all;
+}
+
+// The cost of a meeting grows evenly with threads, as far as measured; that of a handover does not.
+Prediction PerformanceModel::meeting(std::int32_t p, double doubles) const {
+  if (p < 2) return {0, 1, Origin::measured};
+  const auto nearest = [p](const std::map<std::int32_t, std::vector<double>>& known) {
+    const auto at = known.lower_bound(p);
+    return at == known.end() ? std::prev(at) : at;
+  };
+  Prediction sum{prior_meeting_seconds(p), 2, Origin::prior};
+  if (!impl_->meetings.empty()) {
+    const auto& [threads, seconds] = *nearest(impl_->meetings);
+    sum = {median(seconds) * p / threads, threads == p ? 1.2 : 1.5,
+           threads == p ? Origin::measured : Origin::extrapolated};
+  }
+  // A measurement with many doubles includes the meeting, which is a small part of its time.
+  const double each = impl_->handovers.empty() ? kPriorHandover : median(nearest(impl_->handovers)->second);
+  sum.seconds += each * doubles;
+  return sum;
+}
+
+// Numbers of threads and sizes of groups outside the measured range are replaced by the nearest measured ones.
+double PerformanceModel::contention(std::int32_t p, std::int32_t n) const {
+  const auto& known = impl_->contentions;
+  if (p < 2 || known.empty()) return 1;
+  const auto of = known.lower_bound(p);
+  const auto& sizes = of == known.end() ? std::prev(of)->second : of->second;
+  const auto above = sizes.lower_bound(n);
+  if (above == sizes.begin()) return above->second;
+  const auto below = std::prev(above);
+  if (above == sizes.end()) return below->second;
+  const double share =
+      std::log(static_cast<double>(n) / below->first) / std::log(static_cast<double>(above->first) / below->first);
+  return below->second + share * (above->second - below->second);
+}
+
+Prediction PerformanceModel::around(std::int64_t unknowns, std::int64_t pieces) const {
+  if (impl_->around) return impl_->around->at(Impl::around_point(unknowns, pieces));
+  return {prior_around_seconds(unknowns, pieces) * impl_->speed_of_all(), 1.5, Origin::prior};
+}
+
+double PerformanceModel::backward_error(const Shape& shape, const Strategy& strategy) const {
+  const std::int32_t wanted = impl_->number_of(variant_of(Kernel::solve, strategy, impl_->names));
+  if (wanted < 0) return 0;
+  double worst = 0;
+  const auto& known = impl_->known;
+  const Cell first{Kernel::solve, wanted, 0};
+  for (auto k = std::lower_bound(known.begin(), known.end(), first); k != known.end(); ++k) {
+    if (k->cell.kernel != first.kernel || k->cell.variant != wanted) break;
+    const double n = impl_->shape_at(k->cell).n;
+    if (n <= 2.0 * shape.n && 2.0 * n >= shape.n) worst = std::max<double>(worst, k->backward_error);
+  }
+  return worst;
+}
+
+std::size_t PerformanceModel::samples() const { return impl_->count; }
+const std::string& PerformanceModel::source() const { return impl_->source; }
+
+}  // namespace assur

@@ -1,0 +1,339 @@
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <set>
+#include <string_view>
+
+#include "assur/plan.hpp"
+#include "dispatch/candidates.hpp"
+#include "dispatch/counts.hpp"
+#include "dispatch/dispatcher.hpp"
+#include "dispatch/throughput.hpp"
+#include "dispatch/together_rules.hpp"
+#include "equations/differences.hpp"
+#include "executors/step_code.hpp"
+#include "graph/spins.hpp"
+#include "parallel/machine.hpp"
+#include "plan/prepare_at.hpp"
+#include "structure/same_structure.hpp"
+
+namespace assur {
+namespace {
+
+Predictor automatic_predictor(const Structure& s, double accuracy) {
+  const bool all = std::all_of(s.groups.begin(), s.groups.end(), [&](const Group& g) {
+    return g.wanted_derivatives == 2 && s.classes[static_cast<std::size_t>(g.group_class)].first_wanted == 0;
+  });
+  // If accelerations are not wanted, a prediction from past positions is as good and costs no factorisation.
+  // Inexact postures predict better without interpolation.
+  constexpr double kLoose = 1e-5;
+  if (all && accuracy >= kLoose) return {Predictor::Kind::taylor, 2};
+  return all ? Predictor{Predictor::Kind::hermite, 5} : Predictor{Predictor::Kind::past, 5};
+}
+
+// Names the bodies if they only spin, else the unknowns.
+void refuse_undetermined(const Structure& s) {
+  if (s.undetermined.empty()) return;
+  const std::set<std::string_view> free_names(s.undetermined.begin(), s.undetermined.end());
+  std::vector<Index> free, explained;
+  for (Index c = 0; c < static_cast<Index>(s.system->coordinates.size()); ++c) {
+    if (free_names.count(s.system->coordinate_name(c)) != 0) free.push_back(c);
+  }
+  std::vector<Diagnostic> findings;
+  for (const Spin& spin : spins(*s.system, free)) {
+    explained.insert(explained.end(), spin.unknowns.begin(), spin.unknowns.end());
+    findings.push_back({"/bodies/" + spin.body, "undetermined: the body may turn about " + spin.line +
+                                                    ", and an output or a driver depends on this turn; ask only for "
+                                                    "points on the line, or hold the body"});
+  }
+  std::sort(explained.begin(), explained.end());
+  if (!findings.empty() && std::includes(explained.begin(), explained.end(), free.begin(), free.end())) {
+    throw Error(Error::Kind::input, std::move(findings));
+  }
+  std::string names;
+  for (std::size_t i = 0; i < s.undetermined.size(); ++i) {
+    if (i == 12) {
+      names += ", ... (" + std::to_string(s.undetermined.size()) + " in all)";
+      break;
+    }
+    names += (i == 0 ? "" : ", ") + s.undetermined[i];
+  }
+  throw Error(Error::Kind::input, "undetermined: no equation determines " + names + "; add a constraint or a driver");
+}
+
+void check_controlled(const Scene& scene, const std::vector<std::string>& controlled) {
+  std::string known;
+  for (const Driver& d : scene.drivers()) known += (known.empty() ? "" : ", ") + d.name;
+  for (const std::string& name : controlled) {
+    if (std::none_of(scene.drivers().begin(), scene.drivers().end(), [&](const Driver& d) { return d.name == name; })) {
+      throw Error(Error::Kind::input,
+                  "'" + name + "' cannot be controlled, because it is not a driver; the drivers are: " + known);
+    }
+  }
+}
+
+struct ClassSize {
+  std::int32_t groups = 0;
+  std::int32_t side_by_side = 0;  // largest number of groups on one level
+};
+
+std::vector<ClassSize> class_sizes(const Structure& s) {
+  std::vector<ClassSize> sizes(s.classes.size());
+  std::vector<std::int32_t> on_level(s.classes.size(), 0), level(s.classes.size(), -1);
+  for (const Group& g : s.groups) {  // in the order of levels
+    const auto c = static_cast<std::size_t>(g.group_class);
+    on_level[c] = level[c] == g.level ? on_level[c] + 1 : 1;
+    level[c] = g.level;
+    ++sizes[c].groups;
+    sizes[c].side_by_side = std::max(sizes[c].side_by_side, on_level[c]);
+  }
+  return sizes;
+}
+
+std::shared_ptr<const PerformanceModel> model_of(const PrepareOptions& options) {
+  return options.model ? options.model : machine_model().model;
+}
+
+void check_backend(const Backend& backend, const Plan::Choice& choice, std::span<const std::string> without) {
+  const auto refuse = [&](const std::string& why) {
+    throw Error(Error::Kind::environment, "backend " + std::string(backend.id) + " cannot run here: " + why);
+  };
+  if (std::find(without.begin(), without.end(), backend.id) != without.end()) refuse("left out");
+  const std::string why_not = backend.why_not(choice.shape, ThreadBudget{choice.solver.threads});
+  if (!why_not.empty()) refuse(why_not);
+  if (choice.solver.single && !backend.single) refuse("it has no float version; leave out +float");
+}
+
+// Asks the machine only if no budget is given.
+std::int32_t threads_at_most(const PrepareOptions& options) {
+  return (options.budget ? *options.budget : available_budget()).threads;
+}
+
+void check_budget(const Strategy& wanted, const PrepareOptions& options) {
+  const auto threads = std::int64_t{wanted.run.threads} * wanted.solver.threads;
+  if (threads == 1) return;
+  const std::int32_t most = threads_at_most(options);
+  if (threads > most) {
+    throw Error(Error::Kind::environment, "strategy " + to_string(wanted) + " cannot run here: it takes " +
+                                              std::to_string(threads) + " threads and the budget is " +
+                                              std::to_string(most) + "; choose a smaller PxQ or a larger budget");
+  }
+}
+
+// Checks the functions within the first step.
+std::vector<Diagnostic> wrong_functions(const System& s, const std::vector<double>& q, const TimeGrid& time) {
+  return contradictions(s, q, time.start, time.start + time.step);
+}
+
+std::shared_ptr<const Structure> structure_for(const Scene& scene, const PrepareOptions& options,
+                                               Formulation formulation, const Predictor& predictor,
+                                               const KnownStart& start) {
+  StructureOptions wanted;
+  wanted.formulation = formulation;
+  wanted.controlled = options.controlled;
+  wanted.posture = start.posture;
+  wanted.time = start.time;
+  wanted.checked = start.checked;
+  if (predictor.kind == Predictor::Kind::taylor) wanted.predictor_derivatives = predictor.order;
+  if (predictor.kind == Predictor::Kind::hermite) wanted.predictor_derivatives = 2;
+  auto structure = std::make_shared<const Structure>(analyze(scene, wanted, start.at_rest));
+  refuse_undetermined(*structure);
+  if (!structure->cannot_assemble.empty()) {
+    // A wrong Jacobian may be the reason, and a check at the guess finds it.
+    std::vector<Diagnostic> why{{"", structure->cannot_assemble}};
+    const System& s = *structure->system;
+    const std::vector<Diagnostic> wrong = wrong_functions(s, s.guess, scene.time());
+    why.insert(why.end(), wrong.begin(), wrong.end());
+    throw Error(Error::Kind::numerical, std::move(why));
+  }
+  return structure;
+}
+
+void check_together(const Structure& s, const Strategy& wanted) {
+  const std::string why_not = why_not_together(s, wanted);
+  if (why_not.empty()) return;
+  throw Error(Error::Kind::environment,
+              "strategy " + to_string(wanted) + " cannot run here: " + why_not + "; leave out +together");
+}
+
+// The size of a class, without counts of operations.
+Shape size_of(const Structure& s, std::int32_t group_class, std::int32_t groups) {
+  const GroupClass& c = s.classes[static_cast<std::size_t>(group_class)];
+  return {.n = c.n, .nnz = s.pattern(group_class).nnz(), .groups = groups, .rhs = 1 + c.derivatives};
+}
+
+// The plan for a strategy text, which holds for every class.
+Plan forced_plan(const Structure& s, const Strategy& wanted, const PrepareOptions& options) {
+  Plan plan;
+  plan.run = wanted.run;
+  plan.lanes = wanted.solver.lanes;
+  plan.reason = "forced";
+  const std::vector<ClassSize> sizes = class_sizes(s);
+  check_names(options.without, backends());
+  if (wanted.run.together) check_together(s, wanted);
+  for (std::size_t c = 0; c < s.classes.size(); ++c) {
+    Plan::Choice choice;
+    choice.group_class = static_cast<std::int32_t>(c);
+    // Only shares of unequal packs need the counts of operations.
+    choice.shape = wanted.run.threads > 1 ? shape_of(s.classes[c], sizes[c].groups)
+                                          : size_of(s, choice.group_class, sizes[c].groups);
+    choice.solver = wanted.solver;
+    choice.threads = wanted.run.threads;
+    choice.reason = "forced";
+    // Halves W as long as one pack still holds all groups of a level: further lanes would stay empty.
+    while (!wanted.run.together && choice.solver.lanes / 2 >= sizes[c].side_by_side) choice.solver.lanes /= 2;
+    check_backend(find_backend(backends(), choice.solver.backend), choice, options.without);
+    plan.choices.push_back(std::move(choice));
+  }
+  check_budget(wanted, options);
+  if (wanted.run.threads > 1) expect(plan, s, *model_of(options));
+  return plan;
+}
+
+// Tries other formulations if they are cheap to try and may save time.
+std::vector<Formulation> formulations(const Scene& scene, const Structure& irreducible) {
+  constexpr std::int64_t kMostWeighed = 2000;
+  std::vector<Formulation> others;
+  std::int64_t unknowns = 0;
+  for (const Group& g : irreducible.groups) unknowns += std::ssize(g.unknowns);
+  if (unknowns > kMostWeighed || irreducible.groups.size() < 2) return others;
+  if (!scene.groups().empty()) others.push_back(Formulation::groups);
+  others.push_back(Formulation::global);
+  return others;
+}
+
+struct Choice {
+  std::shared_ptr<const Structure> structure;
+  Plan plan;
+};
+
+Choice automatic_choice(const Scene& scene, const PrepareOptions& options, const KnownStart& start) {
+  const std::shared_ptr<const PerformanceModel> model = model_of(options);
+  check_names(options.without, backends());
+  const Scales scales{*model, backends(), options.without};
+  const Task task{options.mode, threads_at_most(options)};
+  const auto choose = [&](Formulation formulation) {
+    Choice choice;
+    choice.structure = structure_for(scene, options, formulation, {}, start);
+    choice.plan = dispatch(*choice.structure, task, scales);
+    return choice;
+  };
+  Choice best = choose(Formulation::irreducible);
+  for (const Formulation formulation : formulations(scene, *best.structure)) {
+    try {
+      Choice other = choose(formulation);
+      if (other.plan.expected_seconds < best.plan.expected_seconds * (1 - scales.tie)) best = std::move(other);
+    } catch (const Error&) {
+      // The scene cannot be prepared in this formulation, or its declared groups are invalid: keep the first one.
+    }
+  }
+  return best;
+}
+
+// The plan of `like`, if the scene has the same structure.
+std::optional<Choice> choice_like(const Prepared& like, const Scene& scene, const PrepareOptions& options,
+                                  const KnownStart& start) {
+  Choice choice;
+  choice.structure = structure_like(scene, options, start, like);
+  if (!same_structure(*like.structure, *choice.structure)) return std::nullopt;
+  choice.plan = like.plan;
+  return choice;
+}
+
+// The same scene with another independent set of its equations: each class is solved as the one nearest in size was.
+Choice choice_again(const Scene& scene, const PrepareOptions& options, const KnownStart& start, const Structure& before,
+                    const Plan& plan) {
+  Choice again{structure_for(scene, options, before.formulation, plan.run.predictor, start), plan};
+  const Structure& s = *again.structure;
+  if (s.levels != before.levels) again.plan.level_threads.clear();
+  const std::string why_not = plan.run.together ? why_not_together(s) : "";
+  if (!why_not.empty()) {
+    again.plan.run.together = false;
+    again.plan.reason += "; level after level: " + why_not;
+  }
+  again.plan.choices.clear();
+  const std::vector<ClassSize> sizes = class_sizes(s);
+  for (std::size_t c = 0; c < s.classes.size(); ++c) {
+    const auto distance = [&](const Plan::Choice& to) { return std::abs(to.shape.n - s.classes[c].n); };
+    Plan::Choice choice =
+        *std::min_element(plan.choices.begin(), plan.choices.end(),
+                          [&](const Plan::Choice& a, const Plan::Choice& b) { return distance(a) < distance(b); });
+    choice.group_class = static_cast<std::int32_t>(c);
+    choice.shape = size_of(s, choice.group_class, sizes[c].groups);
+    again.plan.choices.push_back(std::move(choice));
+  }
+  return again;
+}
+
+// Puts the parts together. is_first: the functions of the scene must be checked.
+Prepared finished(const Scene& scene, const PrepareOptions& options, Choice& choice, bool is_first) {
+  if (is_first) {
+    std::vector<Diagnostic> wrong = wrong_functions(*choice.structure->system, choice.structure->start, scene.time());
+    if (!wrong.empty()) throw Error(Error::Kind::input, std::move(wrong));
+  }
+  Prepared out;
+  out.scene = std::make_shared<const Scene>(scene);
+  out.name = scene.name();
+  out.time = scene.time();
+  out.controlled = options.controlled;
+  out.table = backends();
+  if (options.machine_code) out.code = step_code();
+  out.plan = std::move(choice.plan);
+  if (!choice.structure->redundant.empty() && !out.plan.choices.empty()) {
+    out.reselect = [scene = out.scene, options, plan = out.plan, before = choice.structure](
+                       std::vector<double> at, double t, std::vector<std::int32_t> checked) {
+      const KnownStart start{std::move(at), t, false, AtRest::left_out, std::move(checked)};
+      Choice again = choice_again(*scene, options, start, *before, plan);
+      return finished(*scene, options, again, false);
+    };
+  }
+  out.structure = std::move(choice.structure);
+  return out;
+}
+
+}  // namespace
+
+Prepared prepare_at(const Scene& scene, const PrepareOptions& options, const KnownStart& start, const Prepared* like) {
+  if (options.budget && options.budget->threads < 1) {
+    throw Error(Error::Kind::input,
+                "a budget needs at least one thread, not " + std::to_string(options.budget->threads));
+  }
+  if (!(options.accuracy >= 0) || !std::isfinite(options.accuracy)) {
+    throw Error(Error::Kind::input,
+                "an accuracy is a relative error such as 1e-8, or 0, not " + std::to_string(options.accuracy));
+  }
+  check_controlled(scene, options.controlled);
+  if (like != nullptr) {
+    if (std::optional<Choice> alike = choice_like(*like, scene, options, start))
+      return finished(scene, options, *alike, true);
+  }
+  Choice choice;
+  if (options.strategy == "auto") {
+    choice = automatic_choice(scene, options, start);
+  } else {
+    const Strategy wanted = parse_strategy(options.strategy);
+    choice.structure = structure_for(scene, options, wanted.run.formulation, wanted.run.predictor, start);
+    choice.plan = forced_plan(*choice.structure, wanted, options);
+  }
+  Plan& plan = choice.plan;
+  plan.accuracy = options.accuracy;
+  if (plan.run.predictor.kind == Predictor::Kind::automatic)
+    plan.run.predictor = automatic_predictor(*choice.structure, plan.accuracy);
+  if (options.mode == Mode::throughput && options.strategy.find("+chunks=") == std::string::npos) {
+    plan.run.chunks = chunks_for(plan.lanes, plan.run.threads, scene.time().steps());
+  }
+  return finished(scene, options, choice, start.is_first);
+}
+
+Prepared prepare(const Scene& scene, const PrepareOptions& options) { return prepare_at(scene, options, {}); }
+
+Prepared prepare_like(const Prepared& like, const Scene& scene, const PrepareOptions& options) {
+  return prepare_at(scene, options, {}, &like);
+}
+
+std::shared_ptr<const Structure> structure_like(const Scene& scene, const PrepareOptions& options,
+                                                const KnownStart& start, const Prepared& like) {
+  return structure_for(scene, options, like.plan.run.formulation, like.plan.run.predictor, start);
+}
+
+}  // namespace assur

@@ -1,0 +1,32 @@
+// Numerical rank of equations at several postures: finds redundant equations and undetermined unknowns.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "assur/structure.hpp"
+#include "equations/system.hpp"
+
+namespace assur {
+
+// The result of study_rank().
+struct RankStudy {
+  std::vector<Index> kept;            // an independent subset of the equations
+  std::vector<Index> dropped;         // the others
+  std::vector<Redundancy> redundant;  // one for each dropped equation
+  std::vector<Index> undetermined;    // unknowns that take part in the null space at every posture
+  Index rank = 0;                     // the largest over the postures
+  bool singular_start = false;        // the rank at the start is smaller than elsewhere on the path
+  double residual = 0;                // relative residual of all equations at the start; large: contradictory
+};
+
+// Examines the posture q, which is fitted to the equations first. If `laws_from` has a time, also examines two later
+// postures of the laws; empty if a program may move the drivers elsewhere. rather_dropped: equations; the choice begins
+// with them, unless the matrix is large.
+[[nodiscard]] RankStudy study_rank(const System& system, std::span<const Index> equations,
+                                   std::span<const Index> unknowns, std::optional<double> laws_from,
+                                   std::span<const Index> rather_dropped, std::vector<double>& q,
+                                   std::vector<Index>& column);
+
+}  // namespace assur
