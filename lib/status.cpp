@@ -53,8 +53,6 @@ std::string_view name(Code code) noexcept {
       return "limit_exceeded";
     case Code::within_limits:
       return "within_limits";
-    case Code::wrong_function:
-      return "wrong_function";
     case Code::not_assembled:
       return "not_assembled";
     case Code::near_singular:
@@ -98,8 +96,6 @@ std::string_view explanation(Code code) noexcept {
       return "the quantity leaves its limit";
     case Code::within_limits:
       return "the quantity returns into its limit";
-    case Code::wrong_function:
-      return "the derivatives of a law or callback of the program do not match its values";
     case Code::not_assembled:
       return "the start posture cannot be assembled";
     case Code::near_singular:

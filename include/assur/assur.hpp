@@ -5,6 +5,7 @@
 
 #include "assur/backend.hpp"       // IWYU pragma: export
 #include "assur/curve.hpp"         // IWYU pragma: export
+#include "assur/derivatives.hpp"   // IWYU pragma: export
 #include "assur/ensemble.hpp"      // IWYU pragma: export
 #include "assur/fleet.hpp"         // IWYU pragma: export
 #include "assur/jacobian.hpp"      // IWYU pragma: export

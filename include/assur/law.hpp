@@ -32,10 +32,10 @@ struct Harmonic {
   friend bool operator==(const Harmonic&, const Harmonic&) = default;
 };
 
-// Default tolerance for the derivatives that functions of the program return. assur compares them with differences, in
-// prepare() and along runs (docs/accuracy.md). The tolerated error is this fraction of the derivative, plus a tenth of
-// this fraction of the largest related derivative: of a Jacobian the largest entry of the same row, of a curvature the
-// largest product of such an entry and its rate, of a law the value or rate divided by 100 time steps.
+// Default tolerance for the derivatives that functions of the program return, which check_derivatives() and prepare()
+// compare with differences (docs/accuracy.md). The tolerated error is this fraction of the derivative, plus a tenth of
+// this fraction of the largest related number: of a Jacobian and a curvature the largest entry of the row of the
+// Jacobian, of a law the value or rate divided by 100 time steps.
 inline constexpr double kDerivativeTolerance = 1e-5;
 
 // A function of time, made of parts that are added: Law::constant(1) + Law::harmonics({...}). A law does not

@@ -1,7 +1,7 @@
 // The simulator: runs a plan, and owns all memory that this needs. After construction, step(), set(), output() and
 // outputs() allocate no memory, take no lock and read no file, if the backends are marked `steady`, also if the step
-// fails. Exceptions are steps that choose redundant equations or pivots anew, or end as wrong_function
-// (docs/control.md). step() throws only what laws and callbacks throw.
+// fails. Exceptions are steps that choose redundant equations or pivots anew (docs/control.md). step() throws only what
+// laws and callbacks throw.
 #pragma once
 
 #include <chrono>
@@ -213,9 +213,9 @@ class Simulator {
 
   // Runs as run() does, and gives rows to `sink` instead of keeping them, so that the memory does not grow with the
   // number of times: a block has at most 1,024 rows, or RowSelection::block if that is less. The run uses no chunks,
-  // else rows are those of run(), bit by bit. Returns the number of rows that were reached, including those that are not
-  // selected; report() has the status. Throws as run(), and Error (input) for an unknown column, an empty sink, or a
-  // number that is 0 in `selection`.
+  // else rows are those of run(), bit by bit. Returns the number of rows that were reached, including those that are
+  // not selected; report() has the status. Throws as run(), and Error (input) for an unknown column, an empty sink, or
+  // a number that is 0 in `selection`.
   std::size_t stream(const RowSelection& selection, const RowSink& sink, const Observer& observer = {});
   // The same over `times` (s).
   std::size_t stream(const RowSelection& selection, const RowSink& sink, std::span<const double> times,

@@ -60,8 +60,7 @@ enum class Code : std::uint8_t {
   stop_reached,         // a quantity has reached its limit, and the scene ends the motion there; time is bracketed
   limit_exceeded,       // a quantity has left its limit, and the motion goes on. An Event::kind, never a status
   within_limits,        // the quantity has returned into its limit. An Event::kind, never a status
-  wrong_function,       // a law or callback of the program returns derivatives that do not belong to its values
-  not_assembled,        // the start posture cannot be assembled: of a member of an ensemble, or of a linkage
+  not_assembled = 17,   // the start posture cannot be assembled: of a member of an ensemble, or of a linkage
   near_singular,        // the motion passed close to a singular posture. An Event::kind, never a status
 };
 

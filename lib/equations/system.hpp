@@ -329,6 +329,18 @@ void gradient(const System& s, Index equation, std::span<const T> q, Add&& add) 
   }
 }
 
+// use(index into System::inputs, k, function) for every function among the parts of its k-th law.
+template <class Use>
+void for_each_function(const System& s, const Use& use) {
+  for (std::size_t i = 0; i < s.inputs.size(); ++i) {
+    for (std::size_t k = 0; k < s.inputs[i].laws.size(); ++k) {
+      for (const Law::Part& part : s.inputs[i].laws[k].parts()) {
+        if (const auto* function = std::get_if<Law::Function>(&part)) use(i, k, *function);
+      }
+    }
+  }
+}
+
 // Scale of the residual of an equation: size_of_terms() with the lower bound that residual_scale.hpp explains.
 double residual_scale(const System& s, Index equation, std::span<const double> q);
 

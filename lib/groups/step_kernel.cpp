@@ -126,8 +126,9 @@ SmallStep* of_lanes(const GroupClass& group_class, std::span<const std::int32_t>
   return new StepKernel<W, 3>(group_class, reads);
 }
 
-#if (HWY_TARGET == HWY_SCALAR || HWY_TARGET == HWY_EMU128) && !defined(HWY_COMPILE_ONLY_SCALAR)
-// Without SIMD, these kernels would take half of the compile time of this file: see make_small_step().
+#if !HWY_NATIVE_FMA && !defined(HWY_COMPILE_ONLY_SCALAR)
+// Without products and sums that are rounded once, kernels are slow, and take most of the compile time of this file:
+// see make_small_step().
 SmallStep* make(const GroupClass&, std::span<const std::int32_t>, int) { return nullptr; }
 #else
 SmallStep* make(const GroupClass& group_class, std::span<const std::int32_t> reads, int lanes) {

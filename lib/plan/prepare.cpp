@@ -10,7 +10,7 @@
 #include "dispatch/dispatcher.hpp"
 #include "dispatch/throughput.hpp"
 #include "dispatch/together_rules.hpp"
-#include "equations/differences.hpp"
+#include "equations/derivatives.hpp"
 #include "executors/step_code.hpp"
 #include "graph/spins.hpp"
 #include "parallel/machine.hpp"
@@ -120,11 +120,6 @@ void check_budget(const Strategy& wanted, const PrepareOptions& options) {
   }
 }
 
-// Checks the functions within the first step.
-std::vector<Diagnostic> wrong_functions(const System& s, const std::vector<double>& q, const TimeGrid& time) {
-  return contradictions(s, q, time.start, time.start + time.step);
-}
-
 std::shared_ptr<const Structure> structure_for(const Scene& scene, const PrepareOptions& options,
                                                Formulation formulation, const Predictor& predictor,
                                                const KnownStart& start) {
@@ -142,7 +137,7 @@ std::shared_ptr<const Structure> structure_for(const Scene& scene, const Prepare
     // A wrong Jacobian may be the reason, and a check at the guess finds it.
     std::vector<Diagnostic> why{{"", structure->cannot_assemble}};
     const System& s = *structure->system;
-    const std::vector<Diagnostic> wrong = wrong_functions(s, s.guess, scene.time());
+    const std::vector<Diagnostic> wrong = wrong_functions(s, s.guess, scene.time(), options.controlled);
     why.insert(why.end(), wrong.begin(), wrong.end());
     throw Error(Error::Kind::numerical, std::move(why));
   }
@@ -268,7 +263,8 @@ Choice choice_again(const Scene& scene, const PrepareOptions& options, const Kno
 // Puts the parts together. is_first: the functions of the scene must be checked.
 Prepared finished(const Scene& scene, const PrepareOptions& options, Choice& choice, bool is_first) {
   if (is_first) {
-    std::vector<Diagnostic> wrong = wrong_functions(*choice.structure->system, choice.structure->start, scene.time());
+    std::vector<Diagnostic> wrong =
+        wrong_functions(*choice.structure->system, choice.structure->start, scene.time(), options.controlled);
     if (!wrong.empty()) throw Error(Error::Kind::input, std::move(wrong));
   }
   Prepared out;

@@ -20,7 +20,7 @@ namespace {
 using Values = std::vector<Value>;
 using Tests = HWY_NAMESPACE::GroupTests<Value>;
 
-class Writer {
+class ClassWriter {
   using Equations = HWY_NAMESPACE::QuadraticEquations<Value>;
 
   // Numbers as functions, see QuadraticEquations.
@@ -38,7 +38,7 @@ class Writer {
   }
 
  public:
-  Writer(const GroupClass& group_class, const lanes::Elimination& elimination, std::span<const std::int32_t> reads)
+  ClassWriter(const GroupClass& group_class, const lanes::Elimination& elimination, std::span<const std::int32_t> reads)
       : class_(group_class), reads_(reads), n_(idx(group_class.n)), linear_(class_.pattern, elimination) {}
 
   // As many steps take one correction as two, so the end is a phase of its own.
@@ -293,7 +293,7 @@ bool has_class_step(const GroupClass& c) {
 
 StepProgram class_anchor(const GroupClass& group_class, const lanes::Elimination& elimination,
                          std::span<const std::int32_t> reads) {
-  return Writer(group_class, elimination, reads).anchor();
+  return ClassWriter(group_class, elimination, reads).anchor();
 }
 
 // The step factorises three times; a product is two numbers.
@@ -303,15 +303,15 @@ bool is_short(const lanes::Elimination& elimination, std::size_t most) {
 
 StepProgram class_step(const GroupClass& group_class, const lanes::Elimination& elimination,
                        std::span<const std::int32_t> reads) {
-  return Writer(group_class, elimination, reads).step();
+  return ClassWriter(group_class, elimination, reads).step();
 }
 
 StepProgram class_factors(const GroupClass& group_class, const lanes::Elimination& elimination) {
-  return Writer(group_class, elimination, {}).factors();
+  return ClassWriter(group_class, elimination, {}).factors();
 }
 
 StepProgram class_changes(const GroupClass& group_class, const lanes::Elimination& elimination) {
-  return Writer(group_class, elimination, {}).changes();
+  return ClassWriter(group_class, elimination, {}).changes();
 }
 
 std::size_t work_of_changes(const GroupClass& group_class) {

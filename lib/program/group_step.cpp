@@ -43,12 +43,12 @@ class GivenValues : public GroupSlots {
 // Writes the phases of a SmallGroup. Most steps take one correction. So the first phase begins, corrects once and
 // finishes, all in registers; lanes that are not solved then iterate and finish in phases of their own.
 template <int N>
-class Writer {
+class GroupWriter {
   using Group = HWY_NAMESPACE::SmallGroup<Value, N>;
   using State = typename Group::State;
 
  public:
-  Writer(std::uint16_t number, std::span<const std::int32_t> reads, const GroupClass& group_class)
+  GroupWriter(std::uint16_t number, std::span<const std::int32_t> reads, const GroupClass& group_class)
       : number_(number), reads_(reads), group_class_(group_class), group_(group_class) {}
 
   [[nodiscard]] StepProgram write(const GroupBegin* begin) {
@@ -157,7 +157,7 @@ class Writer {
 template <int N>
 GroupProgram write(const GroupClass& group_class, std::span<const std::int32_t> reads, const GroupBegin* begin) {
   const std::uint16_t number = begin != nullptr ? begin->group : std::uint16_t{0};
-  return {Writer<N>(number, reads, group_class).write(begin), Layout{N}.size()};
+  return {GroupWriter<N>(number, reads, group_class).write(begin), Layout{N}.size()};
 }
 
 template <int N>

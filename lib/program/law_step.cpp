@@ -13,9 +13,9 @@
 namespace assur {
 namespace {
 
-class Writer {
+class LawWriter {
  public:
-  explicit Writer(const LawOutline& of) : of_(of) {}
+  explicit LawWriter(const LawOutline& of) : of_(of) {}
 
   [[nodiscard]] LawStep write() {
     Value too_large = Value::set(0);
@@ -161,6 +161,6 @@ class Writer {
 
 }  // namespace
 
-LawStep law_step(const LawOutline& outline) { return Writer(outline).write(); }
+LawStep law_step(const LawOutline& outline) { return LawWriter(outline).write(); }
 
 }  // namespace assur

@@ -18,9 +18,9 @@ constexpr Memory kLaws[] = {Memory::laws, Memory::law_rates, Memory::law_acceler
 constexpr Memory kInputs[] = {Memory::inputs, Memory::input_rates, Memory::input_accelerations};
 constexpr Value Jet<Value>::*kParts[] = {&Jet<Value>::value, &Jet<Value>::rate, &Jet<Value>::acceleration};
 
-class Writer {
+class MechanismWriter {
  public:
-  explicit Writer(const MechanismOutline& outline) : of_(outline) {}
+  explicit MechanismWriter(const MechanismOutline& outline) : of_(outline) {}
 
   [[nodiscard]] MechanismStep write(std::size_t most) {
     std::size_t instructions = 0;
@@ -188,6 +188,8 @@ class Writer {
 
 }  // namespace
 
-MechanismStep mechanism_step(const MechanismOutline& outline, std::size_t most) { return Writer(outline).write(most); }
+MechanismStep mechanism_step(const MechanismOutline& outline, std::size_t most) {
+  return MechanismWriter(outline).write(most);
+}
 
 }  // namespace assur

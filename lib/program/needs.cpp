@@ -4,7 +4,6 @@
 #include <variant>
 #include <vector>
 
-#include "equations/differences.hpp"
 #include "equations/system.hpp"
 #include "index.hpp"
 #include "joints/gear.hpp"

@@ -31,6 +31,7 @@ class Needs {
   constexpr void add(Need need, bool is_needed = true) { bits_ |= is_needed ? bit(need) : 0U; }
   constexpr void add(Needs others) { bits_ |= others.bits_; }
   [[nodiscard]] constexpr bool has(Need need) const { return (bits_ & bit(need)) != 0; }
+  [[nodiscard]] constexpr bool has_any(Needs of) const { return (bits_ & of.bits_) != 0; }
 
  private:
   static constexpr std::uint32_t bit(Need need) { return 1U << static_cast<unsigned>(need); }

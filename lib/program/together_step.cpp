@@ -19,11 +19,11 @@ using Values = std::vector<Value>;
 using Tests = HWY_NAMESPACE::GroupTests<Value>;
 
 // Writes one pass.
-class Writer {
+class TogetherWriter {
   using Equations = HWY_NAMESPACE::QuadraticEquations<Value>;
 
  public:
-  Writer(const TogetherClass& of, const TogetherShape& shape)
+  TogetherWriter(const TogetherClass& of, const TogetherShape& shape)
       : of_(of),
         class_(of.group_class),
         n_(idx(class_.n)),
@@ -277,7 +277,7 @@ std::vector<Couplings> couplings_of(const Structure& s) {
 std::size_t work_of_together_step(const GroupClass& c) { return 2 * idx(c.n) + 1 + Inverse::most_numbers(c.n); }
 
 StepProgram together_program(TogetherPass pass, const TogetherClass& of, const TogetherShape& shape) {
-  StepProgram out{{Writer(of, shape).write(pass)}, {}};
+  StepProgram out{{TogetherWriter(of, shape).write(pass)}, {}};
   out.phases[0].lanes = shape.lanes_of(pass);
   return out;
 }

@@ -17,12 +17,12 @@ constexpr double kMostUsed = 1e6;  // a larger part of the bound counts as infin
 
 using Values = std::vector<Value>;
 
-class Writer : WalkRules {
+class WalkWriter : WalkRules {
   using Equations = HWY_NAMESPACE::QuadraticEquations<Value>;
   using Registers = Values;
 
  public:
-  Writer(const GroupClass& group_class, const lanes::Elimination& elimination)
+  WalkWriter(const GroupClass& group_class, const lanes::Elimination& elimination)
       : class_(group_class), n_(idx(group_class.n)), inverse_(class_.pattern, elimination) {}
 
   [[nodiscard]] StepProgram write() {
@@ -224,7 +224,7 @@ class Writer : WalkRules {
 }  // namespace
 
 StepProgram walk_step(const GroupClass& group_class, const lanes::Elimination& elimination) {
-  return Writer(group_class, elimination).write();
+  return WalkWriter(group_class, elimination).write();
 }
 
 }  // namespace assur

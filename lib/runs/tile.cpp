@@ -51,7 +51,6 @@ Tile::Tile(const Prepared& prepared, const StepLimits& limits)
   drive_.resize(idx(lanes_));
   bound_to_.resize(idx(lanes_));
   wanted_.resize(idx(lanes_));
-  functions_.resize(idx(lanes_));
 
   std::vector<std::uint8_t> read(layout_.size, 0), needed(system.coordinates.size(), 0);
   for (const Pack& pack : layout_.packs) {
@@ -179,15 +178,10 @@ OutputSteps::News Tile::bind_programs(std::size_t lane) {
     outputs_[lane].bind(*v.system, layout_.address, wanted_[lane]);
     news = News::all;
   }
-  const bool has_laws = is_known && !v.changes->laws;
-  if (!has_laws || (v.changes->assignments && !drive_[lane]->renew_assignments(*v.system, driven_))) {
+  if (!is_known || v.changes->laws ||
+      (v.changes->assignments && !drive_[lane]->renew_assignments(*v.system, driven_))) {
     drive_[lane].emplace(*v.system, driven_);
   }
-  if (has_laws) return news;  // and the same functions
-  const bool repeats = lane > 0 && v.system == variants_[0]->system && v.time == variants_[0]->time;
-  functions_[lane].reset();
-  if (!repeats) functions_[lane].emplace(*structure_, *v.system, layout_.address);
-  if (!repeats && functions_[lane]->empty()) functions_[lane].reset();
   return news;
 }
 
@@ -250,20 +244,7 @@ Status Tile::drive_lane(std::size_t lane, double time) {
   return {};
 }
 
-// Checks the functions of the program before a step to `times`.
-Status Tile::check_functions(std::span<const double> times) {
-  for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
-    if (!functions_[lane]) continue;
-    const double* const q[3] = {state_.at(0) + lane, state_.at(1) + lane, state_.at(2) + lane};
-    const auto asked = [&](std::size_t i, std::size_t k) { return drive_[lane]->slot(i, static_cast<int>(k)) >= 0; };
-    const std::optional<Event> wrong = functions_[lane]->before_step(now_[lane], times[lane], q, asked);
-    if (wrong) return {wrong->kind, Place::lane(static_cast<std::int32_t>(lane)), wrong->figure};
-  }
-  return {};
-}
-
 Status Tile::step(std::span<const double> times) {
-  if (const Status s = check_functions(times); !s.ok()) return s;
   bows_.begin_step();
   predict(times);
   Status s = solve(times, Attempt::Branch::inside);

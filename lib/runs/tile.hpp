@@ -17,7 +17,6 @@
 #include "drivers/drive_program.hpp"
 #include "errors/error_estimate.hpp"
 #include "motion/bows.hpp"
-#include "motion/function_check.hpp"
 #include "motion/layout.hpp"
 #include "motion/mechanism.hpp"
 #include "motion/state.hpp"
@@ -118,7 +117,6 @@ class Tile {
   [[nodiscard]] bool drives_at_once(std::span<const double> times) const;
   [[nodiscard]] bool same_laws() const;
   [[nodiscard]] bool same_assignments() const;
-  [[nodiscard]] Status check_functions(std::span<const double> times);
   [[nodiscard]] Status drive(std::span<const double> times);
   [[nodiscard]] Status drive_lane(std::size_t lane, double time);
   [[nodiscard]] Status solve(std::span<const double> times, Attempt::Branch branch);
@@ -166,9 +164,8 @@ class Tile {
   LaneArray rows_, divisors_;  // columns x lanes, measures x lanes
   bool has_outputs_ = false;   // they are those of the current posture
   AngleTurns turns_;
-  std::vector<Mechanism> mechanisms_;                    // lanes
-  std::vector<std::vector<Event>> limit_events_;         // lanes: not taken yet
-  std::vector<std::optional<FunctionCheck>> functions_;  // lanes; only the first of equal ones; empty: nothing to check
+  std::vector<Mechanism> mechanisms_;             // lanes
+  std::vector<std::vector<Event>> limit_events_;  // lanes: not taken yet
   ErrorEstimate estimate_;
   State state_;
   Bows bows_;

@@ -32,7 +32,7 @@ Simulator::Simulator(Prepared prepared, StepLimits limits) {
   check_limits(limits);
   const double start = prepared.start_time.value_or(prepared.time.start);
   impl_ = std::make_unique<Impl>(std::make_shared<const Prepared>(std::move(prepared)), limits, start);
-  impl_->fresh = impl_->functions.empty();
+  impl_->fresh = !impl_->has_functions;
 }
 Simulator::Simulator(Simulator&&) noexcept = default;
 Simulator& Simulator::operator=(Simulator&&) noexcept = default;
@@ -59,7 +59,6 @@ Status Simulator::step(double t) {
 
 Status Simulator::go_to(double t) {
   const double from = impl_->motion.time();
-  if (const Status s = impl_->check_functions(t); !s.ok()) return s;
   Status status = impl_->step_to(t, true);
   if (impl_->motion.wants_reselection()) {
     if (impl_->motion.deadline_passed()) {
@@ -107,7 +106,7 @@ Status Simulator::step() {
   try {
     impl_->begin_step();
     // A function of the program may throw after the step has arrived, while its errors are estimated.
-    if (!impl_->functions.empty()) impl_->keep_start_of_step(false);
+    if (impl_->has_functions) impl_->keep_start_of_step(false);
     const Status status = go_to(t);
     if (status.arrived()) return status;
     undo();
@@ -184,7 +183,7 @@ void Simulator::reset() {
   } else {
     impl_->start(start, impl_->structure.start);
   }
-  impl_->fresh = impl_->functions.empty();
+  impl_->fresh = !impl_->has_functions;
 }
 
 const std::vector<std::string>& Simulator::columns() const { return impl_->columns; }

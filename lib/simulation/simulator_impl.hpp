@@ -16,12 +16,12 @@
 #include "errors/error_estimate.hpp"
 #include "index.hpp"
 #include "motion/continuation.hpp"
-#include "motion/function_check.hpp"
 #include "numbers.hpp"
 #include "outputs/angle_turns.hpp"
 #include "outputs/columns.hpp"
 #include "outputs/output_program.hpp"
 #include "outputs/output_steps.hpp"
+#include "program/needs.hpp"
 #include "program/step_rules.hpp"
 #include "simulation/output_slopes.hpp"
 
@@ -67,7 +67,7 @@ struct Simulator::Impl {
         outputs(system, motion.layout().address),
         turns({&outputs, 1}),
         estimate(structure, motion.layout(), {&outputs, 1}, prepared.plan.accuracy),
-        functions(structure, system, motion.layout().address) {
+        has_functions(needs_of(structure).has_any({Need::functions_in_equations, Need::functions_in_laws})) {
     std::vector<std::uint8_t> read(motion.layout().size, 0);
     outputs.mark(read);
     const bool has_code = prepared.code != nullptr && motion.levels().threads() == 1;
@@ -108,7 +108,6 @@ struct Simulator::Impl {
     events.clear();
     const System* const of[] = {&system};
     estimate.restart(of, motion.inputs().evaluated(), &motion.inputs());
-    functions.restart();
     doubt = verdict = {};
     in_one_piece = true;
     began = nullptr;
@@ -163,22 +162,6 @@ struct Simulator::Impl {
     if (motion.time() != from) fill_row();
     if (t != from) report.status = status.ok() ? doubt : status;
     return status;
-  }
-
-  // ---- functions of the program
-
-  // Checks the functions before a step to t. If one of them is wrong, nothing moves.
-  Status check_functions(double t) {
-    const double from = motion.time();
-    if (functions.empty() || t == from || !std::isfinite(t)) return {};
-    const double* const q[3] = {motion.at(0), motion.at(1), motion.at(2)};
-    const auto asked = [&](std::size_t input, std::size_t k) { return motion.inputs().follows_law(input, k); };
-    std::optional<Event> found = functions.before_step(from, t, q, asked);
-    if (!found) return {};
-    report.status = doubt = {found->kind, {}, found->figure};
-    events.add(Noticed::all_of(std::move(*found)));
-    motion.inputs().drop_pending();
-    return report.status;
   }
 
   // ---- accuracy
@@ -553,9 +536,9 @@ struct Simulator::Impl {
   std::unique_ptr<OutputSteps> output_steps;  // null: outputs has no code
   AngleTurns turns;
   ErrorEstimate estimate;
-  FunctionCheck functions;
-  Status verdict;  // of the last measurement: ok, or inaccurate
-  Status doubt;    // the first one of the run
+  bool has_functions;  // of the program
+  Status verdict;      // of the last measurement: ok, or inaccurate
+  Status doubt;        // the first one of the run
   std::vector<double> row;
   std::vector<double> divisors;  // of the measures
   bool in_one_piece = true;      // the posture was reached by a step that was not divided
