@@ -61,7 +61,6 @@ if(NOT ASSUR_DEBIAN)  # Debian has the text for all packages in one place
   install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
 endif()
 install(FILES db/README.md db/schema.sql DESTINATION ${CMAKE_INSTALL_DOCDIR}/db)
-install(FILES db/migrations/README.md DESTINATION ${CMAKE_INSTALL_DOCDIR}/db/migrations)
 install(FILES bench/README.md DESTINATION ${CMAKE_INSTALL_DOCDIR}/bench)
 install(DIRECTORY scenes examples DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR} PATTERN *.py EXCLUDE)

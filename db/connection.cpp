@@ -72,10 +72,13 @@ bool has_content(const fs::path& file, const char* suffix) {
 
 std::int32_t version_of(SQLite::Database& database) { return database.execAndGet("PRAGMA user_version").getInt(); }
 
-[[noreturn]] void refuse_newer(const fs::path& file, std::int32_t version) {
-  throw Unusable(Trouble::newer, file,
-                 "its schema has version " + std::to_string(version) + ", but this assur knows version " +
-                     std::to_string(kSchemaVersion) + "; it is left unchanged; use a newer assur");
+void refuse_other_version(const fs::path& file, std::int32_t version) {
+  const std::string differs = "its schema has version " + std::to_string(version) + ", but this assur uses version " +
+                              std::to_string(kSchemaVersion);
+  if (version > kSchemaVersion) {
+    throw Unusable(Trouble::newer, file, differs + "; it is left unchanged; use a newer assur");
+  }
+  if (version < kSchemaVersion) throw Unusable(Trouble::older, file, differs);
 }
 
 // For files that may be damaged: checks sizes in them, and lets views and triggers call built-in functions only.
@@ -94,14 +97,13 @@ auto while_busy(std::chrono::milliseconds patience, Work&& work) {
   }
 }
 
-SQLite::Database open_read_only(const fs::path& file, std::string_view query, const char* first) {
+SQLite::Database open_read_only(const fs::path& file, std::string_view query) {
   // Only one thread uses it, for a few milliseconds; no locks for each call save a quarter of the time.
   SQLite::Database database(uri(file, query), SQLite::OPEN_READONLY | SQLite::OPEN_URI | SQLite::OPEN_NOMUTEX);
   distrust(database);
-  database.exec(first);
   const std::int32_t version = version_of(database);  // the first access to the file
   database.setBusyTimeout(static_cast<int>(std::chrono::milliseconds(kReadersPatience).count()));
-  if (version > kSchemaVersion) refuse_newer(file, version);
+  refuse_other_version(file, version);
   return database;
 }
 
@@ -122,23 +124,28 @@ bool lacks_permission(const SQLite::Exception& error) {
   return code == SQLITE_CANTOPEN || code == SQLITE_READONLY || code == SQLITE_PERM;
 }
 
-// first: statements that run before anything is read.
-SQLite::Database try_without_writing(const fs::path& file, const char* first) {
+SQLite::Database try_without_writing(const fs::path& file) {
   const bool journal = has_content(file, "-journal");
   try {
-    return open_read_only(file, "?mode=ro", first);
+    return open_read_only(file, "?mode=ro");
   } catch (const SQLite::Exception& error) {
     if (!lacks_permission(error)) throw;
-    if (!journal) return open_read_only(file, "?immutable=1", first);  // ignores the content of the log
+    if (!journal) return open_read_only(file, "?immutable=1");  // ignores the content of the log
     throw Unusable(Trouble::blocked, file,
                    std::string("a tuning run was cut off while it wrote (") + error.what() +
                        "); `assur db check` restores its content");
   }
 }
 
-SQLite::Database open_without_writing(const fs::path& file, const char* first) {
-  refuse_unusable(file);
-  return guarded(file, [&] { return while_busy(kReadersPatience, [&] { return try_without_writing(file, first); }); });
+// A new file gets its tables in one transaction, unless another process was faster.
+void make_tables(SQLite::Database& database) {
+  SQLite::Transaction transaction(database, SQLite::TransactionBehavior::IMMEDIATE);
+  if (database.execAndGet("SELECT count(*) FROM sqlite_schema").getInt() == 0) {
+    database.exec(std::string(kSchema));
+    database.exec("PRAGMA application_id = " + std::to_string(kApplicationId));
+    database.exec("PRAGMA user_version = " + std::to_string(kSchemaVersion));
+  }
+  transaction.commit();
 }
 
 }  // namespace
@@ -167,11 +174,9 @@ void rethrow(const fs::path& file, const SQLite::Exception& error) {
   }
 }
 
-SQLite::Database open_to_read(const fs::path& file) { return open_without_writing(file, ""); }
-
-// SQLite refuses a file that is shorter than its first page states, unless the schema is writable.
-SQLite::Database open_to_salvage(const fs::path& file) {
-  return open_without_writing(file, "PRAGMA writable_schema = ON");
+SQLite::Database open_to_read(const fs::path& file) {
+  refuse_unusable(file);
+  return guarded(file, [&] { return while_busy(kReadersPatience, [&] { return try_without_writing(file); }); });
 }
 
 SQLite::Database open_to_write(const fs::path& file, bool network) {
@@ -187,37 +192,17 @@ SQLite::Database open_to_write(const fs::path& file, bool network) {
     distrust(database);
     database.exec("PRAGMA foreign_keys = ON");
     const std::int32_t version = version_of(database);
-    if (version > kSchemaVersion) refuse_newer(file, version);
+    if (version > kSchemaVersion) refuse_other_version(file, version);
     if (sqlite3_db_readonly(database.getHandle(), "main") == 1) {
       throw Unusable(Trouble::blocked, file, "cannot be written: the file or its folder is read-only");
     }
-    if (version < kSchemaVersion) bring_up_to_date(database, kSchema, migrations(), kSchemaVersion);
+    if (version == 0) make_tables(database);
+    refuse_other_version(file, version_of(database));
     // In both modes a killed process loses nothing that was committed.
     set_journal(database, network ? "PRAGMA journal_mode = DELETE" : "PRAGMA journal_mode = WAL", kPatience);
     database.exec(network ? "PRAGMA synchronous = FULL" : "PRAGMA synchronous = NORMAL");
     return database;
   });
-}
-
-void bring_up_to_date(SQLite::Database& database, std::string_view schema, std::span<const Migration> steps,
-                      std::int32_t version) {
-  SQLite::Transaction transaction(database, SQLite::TransactionBehavior::IMMEDIATE);
-  // Another process may have upgraded it in the meantime.
-  std::int32_t found = version_of(database);
-  const bool is_new = database.execAndGet("SELECT count(*) FROM sqlite_schema").getInt() == 0;
-  if (is_new) {
-    database.exec(std::string(schema));
-    database.exec("PRAGMA application_id = " + std::to_string(kApplicationId));
-    found = version;
-  }
-  for (const Migration& step : steps) {
-    if (step.from != found || found == version) continue;
-    database.exec(std::string(step.sql));
-    ++found;
-  }
-  if (found < version) throw SQLite::Exception("its version cannot be upgraded to the present one", SQLITE_ERROR);
-  database.exec("PRAGMA user_version = " + std::to_string(found));
-  transaction.commit();
 }
 
 void leave(SQLite::Database& database) noexcept {

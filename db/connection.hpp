@@ -4,7 +4,6 @@
 #include <SQLiteCpp/SQLiteCpp.h>
 
 #include <filesystem>
-#include <span>
 #include <string>
 #include <utility>
 
@@ -25,24 +24,15 @@ decltype(auto) guarded(const std::filesystem::path& file, Work&& work) {
   }
 }
 
-// Opens a file without writing; an older schema is read as it is. Throws Unusable.
+// Opens a file without writing. Throws Unusable.
 [[nodiscard]] SQLite::Database open_to_read(const std::filesystem::path& file);
 
-// The same for a damaged file, whose end may be missing.
-[[nodiscard]] SQLite::Database open_to_salvage(const std::filesystem::path& file);
-
-// Opens a file for writing, without a check for damage. Makes missing folders and files, and migrates an older schema.
-// network: other computers may write the file; it then has no write-ahead log, which needs shared memory. Throws
-// Unusable.
+// Opens a file for writing, without a check for damage. Makes missing folders and files. network: other computers may
+// write the file; it then has no write-ahead log, which needs shared memory. Throws Unusable.
 [[nodiscard]] SQLite::Database open_to_write(const std::filesystem::path& file, bool network);
 
 // Ends writing: removes the write-ahead log, so that the file can be read from read-only places. If another process
 // uses the file, the log stays, and that process removes it.
 void leave(SQLite::Database& database) noexcept;
-
-// Migrates a database to `version` in one transaction; a new file gets `schema`. If it throws SQLite::Exception,
-// nothing has changed.
-void bring_up_to_date(SQLite::Database& database, std::string_view schema, std::span<const Migration> steps,
-                      std::int32_t version);
 
 }  // namespace assur::db

@@ -34,12 +34,6 @@ class Row {
     if (result != SQLITE_DONE && result != SQLITE_ROW) check(result);
     return result == SQLITE_ROW;
   }
-  // Starts again, with another value of the parameter ?1.
-  void restart(std::int64_t value) {
-    sqlite3_reset(statement_.get());  // repeats the error of the last step, which next() has thrown
-    check(sqlite3_bind_int64(statement_.get(), 1, value));
-  }
-
   [[nodiscard]] bool is_null(int column) const { return sqlite3_column_type(statement_.get(), column) == SQLITE_NULL; }
   [[nodiscard]] std::int32_t int32(int column) const { return sqlite3_column_int(statement_.get(), column); }
   [[nodiscard]] std::int64_t int64(int column) const { return sqlite3_column_int64(statement_.get(), column); }
@@ -67,73 +61,16 @@ class Row {
 };
 using TakeRow = std::function<void(const Row&)>;
 
-constexpr std::int64_t kMostReserved = 10'000;    // samples; limits a damaged count
-constexpr std::int64_t kFurthestLookup = 10'000;  // ids beyond the last one seen, if the end of a table is damaged
+[[noreturn]] void throw_damaged(const std::string& what) { throw SQLite::Exception(what, SQLITE_CORRUPT); }
 
-// Reads rows in the order of their ids. If they are out of order, the tree of the table is damaged. Returns the last
-// id.
-std::int64_t scan(SQLite::Database& database, const std::string& select, const TakeRow& take, bool ascending = true) {
-  Row row(database, select);
-  for (std::int64_t last = 0;;) {
-    if (!row.next()) return last;
+// Reads rows in the order of their ids. If they are out of order, the tree of the table is damaged.
+void each(SQLite::Database& database, const std::string& select, const TakeRow& take) {
+  Row row(database, select + " ORDER BY id");
+  for (std::int64_t last = 0; row.next();) {
     const std::int64_t id = row.int64(0);
-    if (ascending && id <= last) throw SQLite::Exception("rows are out of order", SQLITE_CORRUPT);
+    if (id <= last) throw_damaged("rows are out of order");
     last = id;
     take(row);
-  }
-}
-
-// Reads from the front to the first damage, from the back to the last damage, and the rows between them one by one.
-void salvage(SQLite::Database& database, const std::string& select, const TakeRow& take) {
-  std::int64_t front = 0;
-  std::optional<std::int64_t> back;
-  const auto attempt = [](auto&& work) {
-    try {
-      work();
-    } catch (const SQLite::Exception&) {
-    }
-  };
-  bool whole = false;
-  attempt([&] {
-    scan(database, select + " ORDER BY id", [&](const Row& row) {
-      take(row);
-      front = row.int64(0);
-    });
-    whole = true;
-  });
-  if (whole) return;
-  attempt([&] {
-    Row row(database, select + " ORDER BY id DESC");
-    while (row.next()) {
-      const std::int64_t id = row.int64(0);
-      if (id <= front || (back && id >= *back)) break;
-      take(row);
-      back = id;
-    }
-  });
-  const std::int64_t end = back ? std::min(*back, front + 100 * kFurthestLookup) : front + kFurthestLookup;
-  attempt([&] {
-    Row row(database, select + " WHERE id = ?1");
-    for (std::int64_t id = front + 1; id < end; ++id) {
-      attempt([&] {
-        row.restart(id);
-        if (row.next() && row.int64(0) == id) take(row);
-      });
-    }
-  });
-}
-
-// index: an index that holds all selected columns; it replaces lost pages of the table.
-void each(SQLite::Database& database, Care care, const std::string& select, const TakeRow& take,
-          const char* index = nullptr) {
-  if (care == Care::salvaging) {
-    try {
-      if (index != nullptr) scan(database, select + " INDEXED BY " + index, take, false);
-    } catch (const SQLite::Exception&) {
-    }
-    salvage(database, select, take);
-  } else {
-    scan(database, select + " ORDER BY id", take);
   }
 }
 
@@ -241,7 +178,7 @@ std::int64_t sum_of(const Sample& s, std::string_view kernel, std::uint64_t shap
                     std::uint64_t library, std::uint64_t run) {
   Checksum sum;
   sum << s.uid << kernel << s.seconds << s.spread << s.repetitions << s.backward_error << s.forward_error;
-  if (!std::isnan(s.slowness)) sum << s.slowness;  // older schemas had no such column
+  if (!std::isnan(s.slowness)) sum << s.slowness;
   for (const std::uint64_t part : {shape, strategy, library, run}) sum << static_cast<std::int64_t>(part);
   return static_cast<std::int64_t>(sum.value());
 }
@@ -252,9 +189,8 @@ const Checked<Value>* find(const std::unordered_map<std::int64_t, Checked<Value>
   return found == table.end() ? nullptr : &found->second;
 }
 
-// Checksums do not tell whether a program stored what it had measured.
-bool is_possible(const Sample& stored) {
-  return why_impossible(stored).empty() && (std::isnan(stored.slowness) || is_possible_time(stored.slowness));
+[[noreturn]] void throw_damaged(const SampleRow& row, std::string_view what) {
+  throw_damaged("sample " + std::to_string(row.id) + ": " + std::string(what));
 }
 
 void take_sample(const Row& row, const Tables& tables, Samples& samples) {
@@ -277,11 +213,11 @@ void take_sample(const Row& row, const Tables& tables, Samples& samples) {
   const auto run = tables.runs.find(r.run);
   const bool whole = shape && strategy && library && run != tables.runs.end() &&
                      sum_of(s, kernel, shape->sum, strategy->sum, library->sum, run->second.sum) == row.int64(12);
-  if (whole) s.shape = shape->value;
-  if (!whole || !is_possible(s)) {
-    ++samples.damaged;
-    return;
-  }
+  if (!whole) throw_damaged(r, "it, or a row that it refers to, was changed or is missing");
+  s.shape = shape->value;
+  // Checksums do not tell whether a program stored what it had measured.
+  if (const std::string_view why = why_impossible(s); !why.empty()) throw_damaged(r, why);
+  if (!std::isnan(s.slowness) && !is_possible_time(s.slowness)) throw_damaged(r, "its slowness must be 1e-15 to 1e9 s");
   const auto kind = kernel_of(kernel);
   if (!kind || !strategy->value) {
     ++samples.unknown;
@@ -319,96 +255,77 @@ std::map<PaceOrigin, double> usual_paces(const Samples& samples, const Tables& t
   return usual;
 }
 
-// Files of an older schema are read as well: `otherwise` replaces a column that they lack.
-std::string column_or(SQLite::Database& database, const std::string& table, const std::string& column,
-                      const std::string& otherwise) {
-  SQLite::Statement find(database, "SELECT 1 FROM pragma_table_info(?1) WHERE name = ?2");
-  find.bind(1, table);
-  find.bind(2, column);
-  return find.executeStep() ? column : otherwise;
-}
-
 }  // namespace
 
-Tables read_origins(SQLite::Database& database, Care care) {
+Tables read_tables(SQLite::Database& database) {
   Tables tables;
-  each(database, care,
+  each(database,
        "SELECT id, vendor, family, model, stepping, name, instructions, cores, processors, quota, caches, numa_nodes, "
        "memory FROM machine",
        [&](const Row& row) { tables.machines[row.int64(0)] = host_of(row); });
-  each(database, care,
+  each(database,
        "SELECT id, uid, machine, profile, assur, started, threads, load, microcode, process, finished, grade, seconds, "
-       "coverage, note, " +
-           column_or(database, "tuning_run", "samples", "0") + " FROM tuning_run",
+       "coverage, note, samples FROM tuning_run",
        [&](const Row& row) {
          RunRow r = run_of(row);
          const auto machine = tables.machines.find(r.machine);
-         if (machine == tables.machines.end()) return;
+         if (machine == tables.machines.end()) throw_damaged("the machine of a tuning run is missing");
          r.run.machine = machine->second.fingerprint();
          const std::uint64_t sum = sum_of(r.run.uid, r.run.machine);
-         const std::int64_t id = r.run.id;
-         tables.runs.insert_or_assign(id, Checked<RunRow>{std::move(r), sum});
+         tables.runs.emplace(r.run.id, Checked<RunRow>{std::move(r), sum});
        });
-  each(
-      database, care, "SELECT id, name, version, build FROM library",
-      [&](const Row& row) {
-        Library library{row.string(1), row.string(2), row.string(3)};
-        const std::uint64_t sum = sum_of(library);
-        tables.libraries.insert_or_assign(row.int64(0), Checked<Library>{std::move(library), sum});
-      },
-      "sqlite_autoindex_library_1");
+  each(database, "SELECT id, name, version, build FROM library", [&](const Row& row) {
+    Library library{row.string(1), row.string(2), row.string(3)};
+    const std::uint64_t sum = sum_of(library);
+    tables.libraries.emplace(row.int64(0), Checked<Library>{std::move(library), sum});
+  });
+  each(database, "SELECT id, n, nnz, groups, rhs, fill, operations, depth, terms, pattern FROM shape",
+       [&](const Row& row) {
+         const Shape shape = shape_of(row);
+         tables.shapes.emplace(row.int64(0), Checked<Shape>{shape, checksum(shape)});
+       });
+  each(database, "SELECT id, text FROM strategy", [&](const Row& row) {
+    const std::string text = row.string(1);
+    tables.strategies.emplace(row.int64(0), Checked<std::optional<Strategy>>{strategy_of(text), sum_of(text)});
+  });
   return tables;
 }
 
-void read_subjects(SQLite::Database& database, Tables& tables, Care care) {
-  each(
-      database, care, "SELECT id, n, nnz, groups, rhs, fill, operations, depth, terms, pattern FROM shape",
-      [&](const Row& row) {
-        const Shape shape = shape_of(row);
-        tables.shapes.insert_or_assign(row.int64(0), Checked<Shape>{shape, checksum(shape)});
-      },
-      "sqlite_autoindex_shape_1");
-  each(
-      database, care, "SELECT id, text FROM strategy",
-      [&](const Row& row) {
-        const std::string text = row.string(1);
-        tables.strategies.insert_or_assign(row.int64(0),
-                                           Checked<std::optional<Strategy>>{strategy_of(text), sum_of(text)});
-      },
-      "sqlite_autoindex_strategy_1");
-}
-
-Tables read_tables(SQLite::Database& database, Care care) {
-  Tables tables = read_origins(database, care);
-  read_subjects(database, tables, care);
-  return tables;
-}
-
-Samples read_samples(SQLite::Database& database, const Tables& tables, Care care, std::span<const std::int64_t> runs) {
+Samples read_samples(SQLite::Database& database, const Tables& tables, std::span<const std::int64_t> runs) {
   Samples samples;
   const TakeRow take = [&](const Row& row) { take_sample(row, tables, samples); };
   const std::string select =
       "SELECT id, uid, run, library, kernel, shape, strategy, seconds, spread, repetitions, backward_error, "
-      "forward_error, checksum, " +
-      column_or(database, "sample", "slowness", "NULL") + " FROM sample";
+      "forward_error, checksum, slowness FROM sample";
+  if (runs.empty()) each(database, select, take);
+  for (const std::int64_t run : runs) each(database, select + " WHERE run = " + std::to_string(run), take);
   std::int64_t counted = 0;
   for (const auto& [id, run] : tables.runs) {
     if (runs.empty() || std::find(runs.begin(), runs.end(), id) != runs.end()) counted += run.value.samples;
   }
-  samples.rows.reserve(static_cast<std::size_t>(std::clamp<std::int64_t>(counted, 0, kMostReserved)));
-  if (runs.empty()) each(database, care, select, take);
-  for (const std::int64_t run : runs) scan(database, select + " WHERE run = " + std::to_string(run), take, false);
-  const std::int64_t found = static_cast<std::int64_t>(samples.rows.size()) + samples.damaged + samples.unknown;
-  samples.lost = std::max<std::int64_t>(counted - found, 0);
+  const std::int64_t found = static_cast<std::int64_t>(samples.rows.size()) + samples.unknown;
+  if (found != counted) {
+    throw_damaged(std::to_string(counted) + " samples were stored, but " + std::to_string(found) + " are there");
+  }
   return samples;
 }
 
-Contents read_all(SQLite::Database& database, Care care) {
+Contents read_all(SQLite::Database& database) {
   const SQLite::Transaction moment(database);
   Contents contents;
-  contents.tables = read_tables(database, care);
-  contents.samples = read_samples(database, contents.tables, care);
+  contents.tables = read_tables(database);
+  contents.samples = read_samples(database, contents.tables);
   return contents;
+}
+
+void check_all(SQLite::Database& database) {
+  (void)read_all(database);  // first, because readers do the same and give the same reason
+  const std::string finding = database.execAndGet("PRAGMA integrity_check(1)").getString();
+  if (finding != "ok") throw_damaged(finding);
+  SQLite::Statement references(database, "PRAGMA foreign_key_check");
+  if (references.executeStep()) {
+    throw_damaged("rows of " + references.getColumn(0).getString() + " refer to missing rows");
+  }
 }
 
 void at_usual_pace(Samples& samples, const Tables& tables) {

@@ -1,4 +1,4 @@
-// Reads the rows of a database; checksums verify each row.
+// Reads the rows of a database. Checksums verify each row; one bad row makes the whole file a damaged one.
 #pragma once
 
 #include <SQLiteCpp/SQLiteCpp.h>
@@ -16,11 +16,6 @@
 
 namespace assur::db {
 
-enum class Care : std::uint8_t {
-  trusting,   // throws if anything cannot be read
-  salvaging,  // reads as much of a damaged file as possible
-};
-
 // A row with the checksum of its content.
 template <class Value>
 struct Checked {
@@ -33,7 +28,7 @@ struct RunRow {
   Run run;
   std::int64_t machine = 0, process = 0;
   std::string microcode, finished;
-  std::int64_t samples = 0;  // number that triggers counted; 0 in files of an older schema
+  std::int64_t samples = 0;  // number that triggers counted
 };
 
 // A row of the table sample. Times of the sample are by the clock; its slowness is the time of the fixed work in s, NaN
@@ -46,39 +41,35 @@ struct SampleRow {
 // The small tables, which samples refer to.
 struct Tables {
   std::map<std::int64_t, Host> machines;
-  std::map<std::int64_t, Checked<RunRow>> runs;  // without runs whose machine is missing
+  std::map<std::int64_t, Checked<RunRow>> runs;
   std::unordered_map<std::int64_t, Checked<Library>> libraries;
   std::unordered_map<std::int64_t, Checked<Shape>> shapes;
   std::unordered_map<std::int64_t, Checked<std::optional<Strategy>>>
       strategies;  // empty: of a later version of the grammar
 };
 
-// Samples, with counts of rows that are left out.
 struct Samples {
   std::vector<SampleRow> rows;
-  std::int64_t damaged = 0;  // the checksum differs, a row that they refer to is missing, or a figure is impossible
-  std::int64_t unknown = 0;  // good, but this version does not know their kernel or strategy
-  std::int64_t lost = 0;     // counted when they were stored, but missing
+  std::int64_t unknown = 0;  // left out, because this version does not know their kernel or strategy
 };
-
-// read_tables() reads all tables except samples. read_origins() reads machines, runs and libraries, read_subjects()
-// shapes and strategies. They throw SQLite::Exception.
-[[nodiscard]] Tables read_tables(SQLite::Database& database, Care care = Care::trusting);
-[[nodiscard]] Tables read_origins(SQLite::Database& database, Care care = Care::trusting);
-void read_subjects(SQLite::Database& database, Tables& tables, Care care = Care::trusting);
-
-// Reads the samples of these runs; of all runs if the list is empty. Throws SQLite::Exception.
-[[nodiscard]] Samples read_samples(SQLite::Database& database, const Tables& tables, Care care = Care::trusting,
-                                   std::span<const std::int64_t> runs = {});
 
 struct Contents {
   Tables tables;
   Samples samples;
 };
 
-// Reads everything as it is at one moment, even if other processes write meanwhile. Throws SQLite::Exception.
-[[nodiscard]] Contents read_all(SQLite::Database& database, Care care = Care::trusting);
+// The following functions throw SQLite::Exception: SQLITE_CORRUPT for a row whose checksum differs, which refers to a
+// missing row, or whose figures are impossible, and if a run has fewer samples than were stored.
 
+// Reads all tables except samples.
+[[nodiscard]] Tables read_tables(SQLite::Database& database);
+// Reads the samples of these runs; of all runs if the list is empty.
+[[nodiscard]] Samples read_samples(SQLite::Database& database, const Tables& tables,
+                                   std::span<const std::int64_t> runs = {});
+// Reads everything as it is at one moment, even if other processes write meanwhile.
+[[nodiscard]] Contents read_all(SQLite::Database& database);
+// Checks the structure of the file and all rows.
+void check_all(SQLite::Database& database);
 // Converts samples to the form of assur::Sample: times at the usual pace of the machine, slowness relative to it, 1 if
 // unknown. The usual pace follows from all samples of a machine, version and build, so that one wrong sample hardly
 // affects the others.

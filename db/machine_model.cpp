@@ -28,7 +28,7 @@ struct Source {
 };
 
 struct Counts {
-  std::int64_t seen = 0, stale = 0, damaged = 0, lost = 0, impossible = 0;
+  std::int64_t seen = 0, stale = 0, impossible = 0;
   std::vector<std::string> changes;  // "klu 1.3.9 is now 2.0.0"
 };
 
@@ -81,7 +81,7 @@ void Reading::open(const DatabaseFile& file) {
       // One consistent state of the file. Each page is read once, so a small cache reuses the same memory.
       database.exec("PRAGMA cache_size = 16; BEGIN");
       Source source{file.file, std::move(database), {}, {}};
-      source.tables = read_origins(source.database);
+      source.tables = read_tables(source.database);
       for (const auto& [id, host] : source.tables.machines) source.machines.emplace_back(likeness(host_, host), id);
       std::sort(source.machines.begin(), source.machines.end(), [&](const auto& a, const auto& b) {
         const auto rank = [&](const auto& m) {
@@ -114,20 +114,17 @@ bool Reading::believed(const Library& library) {
   return false;
 }
 
-// Good samples of libraries that are installed here.
+// Samples of libraries that are installed here.
 std::vector<Sample> Reading::samples_of(Source& source, std::int64_t machine) {
   std::vector<std::int64_t> runs;
   for (const auto& [id, run] : source.tables.runs) {
     if (run.value.machine == machine) runs.push_back(id);
   }
   if (runs.empty()) return {};
-  if (source.tables.shapes.empty()) read_subjects(source.database, source.tables);
   if (runs.size() == source.tables.runs.size()) runs.clear();  // all runs: reading in the order of the table is faster
-  Samples samples = read_samples(source.database, source.tables, Care::trusting, runs);
-  counts_.damaged += samples.damaged;
-  counts_.lost += samples.lost;
-  counts_.seen += static_cast<std::int64_t>(samples.rows.size());
+  Samples samples = read_samples(source.database, source.tables, runs);
   at_usual_pace(samples, source.tables);
+  counts_.seen += static_cast<std::int64_t>(samples.rows.size());
   std::map<std::int64_t, bool> holds;
   std::vector<Sample> good;
   good.reserve(samples.rows.size());
@@ -160,6 +157,8 @@ bool Reading::take_level(Likeness level) {
         say_source(source, machine, level);
       } catch (const Unusable& unusable) {
         say(unusable.what());
+        source.machines.clear();  // nothing else in this file is used
+        break;
       }
     }
   }
@@ -203,17 +202,9 @@ void Reading::say_counts() {
     say(number(counts_.stale) + " of " + number(counts_.seen) +
         " samples are left out, because their libraries changed (" + changes + ")" + kTune);
   }
-  if (counts_.damaged > 0) {
-    say(number(counts_.damaged) + (counts_.damaged == 1 ? " damaged sample is" : " damaged samples are") +
-        " left out; `assur db check` repairs the database");
-  }
   if (counts_.impossible > 0) {
     say(number(counts_.impossible) + " of " + number(counts_.seen) +
         " samples are left out, because their times at the usual pace are not 1e-15 to 1e9 s" + kTune);
-  }
-  if (counts_.lost > 0) {
-    say(number(counts_.lost) + " of " + number(counts_.seen + counts_.damaged + counts_.lost) +
-        " samples are lost; `assur db check` repairs the database");
   }
 }
 

@@ -12,8 +12,9 @@ namespace assur::db {
 
 // machine_model() with its inputs as arguments. Uses the samples of the most similar machine in the files: this one,
 // else the same processor, else the same microarchitecture. If several files know this machine, a later file adds
-// samples that the earlier ones do not have. Damaged samples, and samples of another version of their library, are left
-// out. The content of the files causes messages, not exceptions. Never writes.
+// samples that the earlier ones do not have. Samples of another version of their library are left out, and
+// all of a file whose samples of this machine are damaged. The content of the files causes messages, not exceptions.
+// Never writes.
 [[nodiscard]] MachineModel read_machine_model(std::span<const DatabaseFile> files, const Host& host,
                                               const LibraryAtHand& library_at_hand);
 

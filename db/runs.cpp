@@ -176,7 +176,7 @@ std::vector<Run> Store::runs() const {
     SQLite::Statement count(impl_->database, "SELECT run, count(*) FROM sample GROUP BY run");
     while (count.executeStep()) samples[count.getColumn(0).getInt64()] = count.getColumn(1).getInt64();
     std::vector<Run> runs;
-    for (auto& [id, row] : read_origins(impl_->database).runs) {
+    for (auto& [id, row] : read_tables(impl_->database).runs) {
       runs.push_back(std::move(row.value.run));
       runs.back().samples = samples[id];
     }

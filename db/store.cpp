@@ -2,15 +2,20 @@
 
 #include <random>
 
+#include "db/aside.hpp"
 #include "db/checksum.hpp"
-#include "db/repair.hpp"
 #include "db/store_impl.hpp"
 
 namespace assur::db {
 namespace {
 
 SQLite::Database open(const std::filesystem::path& file, Access access, std::vector<std::string>& messages) {
-  return access == Access::write ? open_whole(file, messages) : open_to_read(file);
+  if (access == Access::write) return open_or_put_aside(file, messages);
+  return guarded(file, [&] {
+    SQLite::Database database = open_to_read(file);
+    check_all(database);
+    return database;
+  });
 }
 
 }  // namespace
@@ -85,21 +90,18 @@ std::optional<double> Store::usual_pace(const Host& host) const {
   });
 }
 
-Health Store::health() const {
+Counts Store::counts() const {
   return guarded(impl_->file, [&] {
-    Health health;
-    health.findings = structural_damage(impl_->database);
     const auto [tables, samples] = read_all(impl_->database);
-    health.samples = static_cast<std::int64_t>(samples.rows.size());
-    health.damaged = samples.damaged;
-    health.unknown = samples.unknown;
-    health.lost = samples.lost;
+    Counts counts{static_cast<std::int64_t>(samples.rows.size()), samples.unknown};
     for (const SampleRow& row : samples.rows) {
       const Library& library = tables.libraries.at(row.library).value;
-      if (library != impl_->library(library.name)) ++health.stale;
+      if (library != impl_->library(library.name)) ++counts.stale;
     }
-    return health;
+    return counts;
   });
 }
+
+void require_readable(const std::filesystem::path& file) { (void)open_to_read(file); }
 
 }  // namespace assur::db

@@ -19,7 +19,7 @@ namespace assur::db {
 
 enum class Access : std::uint8_t {
   read,   // writes nothing, and keeps no lock longer than a call
-  write,  // makes a missing file, migrates an older schema, and repairs damage
+  write,  // makes a missing file; puts a damaged file, or one of an older schema, aside and begins a new one
 };
 
 enum class Grade : std::uint8_t { good, fair, noisy };  // quality of a tuning run: scatter of its times
@@ -67,13 +67,10 @@ struct Answer {
   std::vector<std::vector<Value>> rows;  // each as long as columns
 };
 
-struct Health {
-  std::int64_t samples = 0;           // good ones
-  std::int64_t damaged = 0;           // samples whose checksum differs, or with impossible figures
-  std::int64_t lost = 0;              // samples that were stored, but are missing
-  std::int64_t unknown = 0;           // samples of a kernel or strategy that this version does not know
-  std::int64_t stale = 0;             // good ones of another version of their library
-  std::vector<std::string> findings;  // damage to the structure of the file
+struct Counts {
+  std::int64_t samples = 0;
+  std::int64_t unknown = 0;  // samples of a kernel or strategy that this version does not know
+  std::int64_t stale = 0;    // samples of another version of their library
 };
 
 struct Forgotten {
@@ -83,12 +80,12 @@ struct Forgotten {
 struct Imported {
   std::int64_t samples = 0;  // new
   std::int64_t known = 0;    // already in this database
-  std::int64_t damaged = 0;  // damaged ones, which are not copied
 };
 
-// A connection to a file, for one thread at a time. All functions throw Error (environment), which names the file, if
-// it cannot be read or written: no space, no permission, no tuning database, of a newer library, or locked by another
-// process for a minute (reading: a second). A call that throws changes nothing.
+// A connection to a file, for one thread at a time. The constructor checks all of the file. All functions throw Error
+// (environment), which names the file, if it cannot be read or written: no space, no permission, no tuning database, of
+// another version, damaged, or locked by another process for a minute (reading: a second). A call that throws changes
+// nothing.
 class Store {
  public:
   explicit Store(std::filesystem::path file, Access access);
@@ -97,7 +94,7 @@ class Store {
   ~Store();
 
   [[nodiscard]] const std::filesystem::path& file() const;
-  // Notes for people about opening the file: damage, the new name of a damaged file, the rows that were saved.
+  // Notes for people about opening the file: why a file was put aside, and its new name.
   [[nodiscard]] const std::vector<std::string>& messages() const;
 
   // Begins a tuning run on this host; stores its load and the versions of the libraries. Returns its id.
@@ -117,7 +114,7 @@ class Store {
   // library.
   [[nodiscard]] bool has(std::int64_t run, Kernel kernel, const Shape& shape, const Strategy& strategy) const;
 
-  // In the order in which they were added; damaged ones are left out.
+  // In the order in which they were added.
   [[nodiscard]] std::vector<Sample> samples(const Filter& filter = {}) const;
   [[nodiscard]] std::vector<Run> runs() const;
 
@@ -133,24 +130,26 @@ class Store {
   [[nodiscard]] Answer crossovers(const Filter& filter = {}) const;
   [[nodiscard]] Answer models() const;
 
-  // Checks every row, and finds the damage that opening the file for writing would repair.
-  [[nodiscard]] Health health() const;
+  [[nodiscard]] Counts counts() const;
 
   // Deletes the selected samples, then runs and other rows that no sample refers to. Throws Error (input) for an empty
   // filter; use forget_all().
   Forgotten forget(const Filter& filter);
   Forgotten forget_all();
 
-  // Copies selected good rows to a new file, which can be read from read-only places. Throws Error (environment) if the
+  // Copies selected samples to a new file, which can be read from read-only places. Throws Error (environment) if the
   // file exists.
   std::int64_t export_to(const std::filesystem::path& file, const Filter& filter = {}) const;
-  // Copies the good rows of another database whose uid does not exist here.
+  // Copies the samples of another database whose uid does not exist here.
   Imported import_from(const std::filesystem::path& file);
 
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+// Throws Unusable if the file cannot be opened for reading. Its rows are not checked.
+void require_readable(const std::filesystem::path& file);
 
 // 32 hexadecimal digits, drawn at random.
 [[nodiscard]] std::string new_uid();

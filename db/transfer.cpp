@@ -1,8 +1,8 @@
 // Store: export, import and removal of samples.
 #include <set>
 
-#include "db/repair.hpp"
 #include "db/store_impl.hpp"
+#include "db/writer.hpp"
 
 namespace assur::db {
 namespace {
@@ -32,6 +32,27 @@ void restrict_to(const Filter& filter, Contents& contents) {
     return goes;
   });
   std::erase_if(tables.runs, [&](const auto& run) { return !runs.contains(run.first); });
+}
+
+// Copies runs and samples, with all rows that they refer to, in one transaction. Rows whose uid exists already are not
+// changed.
+Imported copy(const Contents& contents, SQLite::Database& target) {
+  const auto& [tables, samples] = contents;
+  Imported copied;
+  SQLite::Transaction transaction(target, SQLite::TransactionBehavior::IMMEDIATE);
+  Writer writer(target);
+  std::map<std::int64_t, std::int64_t> runs;  // id in `contents` -> id in `target`
+  for (const auto& [id, run] : tables.runs) {
+    runs[id] = writer.run(run.value, writer.machine(tables.machines.at(run.value.machine)));
+  }
+  for (const SampleRow& row : samples.rows) {
+    const Run& run = tables.runs.at(row.run).value.run;
+    const Library& library = tables.libraries.at(row.library).value;
+    const bool is_new = writer.sample(row.sample, library, runs.at(row.run), run.uid, run.machine);
+    ++(is_new ? copied.samples : copied.known);
+  }
+  transaction.commit();
+  return copied;
 }
 
 }  // namespace
@@ -93,14 +114,9 @@ std::int64_t Store::export_to(const fs::path& file, const Filter& filter) const 
 }
 
 Imported Store::import_from(const fs::path& file) {
-  const Contents contents = guarded(file, [&] {
-    SQLite::Database source = open_to_read(file);
-    return read_all(source);
-  });
-  return guarded(impl_->file, [&] {
-    const Copied copied = copy(contents, impl_->database);
-    return Imported{copied.samples, copied.known, contents.samples.damaged};
-  });
+  const Store source(file, Access::read);
+  const Contents contents = guarded(file, [&] { return read_all(source.impl_->database); });
+  return guarded(impl_->file, [&] { return copy(contents, impl_->database); });
 }
 
 }  // namespace assur::db

@@ -46,7 +46,6 @@ TEST(Db, InfoShowsDatabasesAndSamplesInUse) {
   EXPECT_EQ(row["role"], "named");
   EXPECT_TRUE(row["why_not"].is_null());
   EXPECT_EQ(row["samples"], 15);
-  EXPECT_EQ(row["damaged"], 0);
   ASSERT_EQ(row["runs"].size(), 2u);
   EXPECT_EQ(row["runs"][0]["grade"], "good");
   EXPECT_EQ(row["runs"][1]["machine"], host_with(4).fingerprint());
@@ -76,7 +75,8 @@ TEST(Db, EveryCommandReportsDamage) {
   const std::size_t middle = damaged.size() / 2;
   for (std::size_t i = 0; i < 3000; ++i) damaged[middle + i] = static_cast<char>(i * i * 7 + 3 * i);
   write_bytes(file, damaged);
-  const std::string says = file + ": is damaged: database disk image is malformed";
+  const std::string says = file + ": is damaged: database disk image is malformed; `assur tune --db " + file +
+                           "` puts it aside and begins a new file";
   const auto in_one_line = [](const std::string& page) {
     std::istringstream words(page);
     std::string line;
@@ -94,7 +94,7 @@ TEST(Db, EveryCommandReportsDamage) {
   EXPECT_EQ(info.json()["believed"], 0);
   EXPECT_EQ(info.json()["rows"][0]["why_not"], says);
   const auto checked = rows(file, {"check"}).at(0);
-  EXPECT_GT(checked["samples"], 250);
+  EXPECT_EQ(checked["samples"], 0);
   std::size_t files = 0;
   for ([[maybe_unused]] const auto& entry :
        std::filesystem::directory_iterator(std::filesystem::path(file).parent_path()))
@@ -193,23 +193,23 @@ TEST(Db, ForgetsOnlySelectedSamples) {
   EXPECT_FALSE(std::filesystem::exists(scratch.file("absent.db")));
 }
 
-TEST(Db, CheckReportsItsRepairs) {
+TEST(Db, CheckPutsADamagedFileAside) {
   const Scratch scratch;
   const std::string file = scratch.file("tuning.db");
   make_database(file, host_with(4), 100);
   auto row = rows(file, {"check"}).at(0);
   EXPECT_EQ(row["samples"], 100);
-  EXPECT_EQ(row["repaired"].size(), 0u);
-  EXPECT_EQ(row["findings"].size(), 0u);
+  EXPECT_EQ(row["put_aside"].size(), 0u);
   std::string damaged = bytes(file);
   damaged.resize(damaged.size() - 5000);
   write_bytes(file, damaged);
   EXPECT_EQ(ask(file, {"samples"}).status, 3);
   row = rows(file, {"check"}).at(0);
-  ASSERT_EQ(row["repaired"].size(), 1u);
-  EXPECT_NE(row["repaired"][0].get<std::string>().find(".corrupt-"), std::string::npos);
-  EXPECT_EQ(rows(file, {"check"}).at(0)["repaired"].size(), 0u);
+  ASSERT_EQ(row["put_aside"].size(), 1u);
+  EXPECT_NE(row["put_aside"][0].get<std::string>().find(".corrupt-"), std::string::npos);
+  EXPECT_EQ(rows(file, {"check"}).at(0)["put_aside"].size(), 0u);
   EXPECT_EQ(rows(file, {"samples"}).size(), row["samples"]);
+  EXPECT_NE(ask(file, {"check"}).out.find("undamaged"), std::string::npos);
 }
 
 TEST(Db, AFileThatIsNoDatabaseIsAnEnvironmentError) {

@@ -185,7 +185,7 @@ void ask(const Store& store) {
   (void)store.best();
   (void)store.crossovers();
   (void)store.models();
-  (void)store.health();
+  (void)store.counts();
 }
 
 // Predictions are finite times with finite factors, whatever samples were accepted.
@@ -229,7 +229,7 @@ bool database(std::string_view bytes) {
   predict(*model.model);
   (void)accepts([&] { (void)Store(other, Access::write).import_from(file); });
   require(test::bytes(file) == changed, "reading must not change the file");
-  (void)accepts([&] { ask(Store(file, Access::write)); });  // repairs it
+  (void)accepts([&] { ask(Store(file, Access::write)); });  // puts it aside if it is damaged
   return read;
 }
 

@@ -37,7 +37,7 @@ Store store_to_ask(const Common& common) {
 // `may_be_new`: creates the database if it does not exist.
 Store store_to_change(const Common& common, bool may_be_new) {
   const fs::path file = own_database_of(common);
-  if (!may_be_new) (void)Store(file, Access::read).file();
+  if (!may_be_new) db::require_readable(file);
   return Store(file, Access::write);
 }
 
@@ -137,7 +137,7 @@ int export_samples(const Common& common, const DbOptions& options) {
 }
 
 int import_samples(const Common& common, const DbOptions& options) {
-  (void)Store(options.file, Access::read).file();  // throws before a new database is created
+  db::require_readable(options.file);  // before a new database is created
   Store store = store_to_change(common, true);
   tell(common, store);
   const db::Imported imported = store.import_from(options.file);
@@ -145,18 +145,17 @@ int import_samples(const Common& common, const DbOptions& options) {
               {{"database", store.file().string()},
                {"file", options.file},
                {"samples", imported.samples},
-               {"known", imported.known},
-               {"damaged", imported.damaged}},
+               {"known", imported.known}},
               output::counted(imported.samples, "new sample") + " in " + store.file().string() + ", " +
-                  output::grouped(imported.known) + " already there" +
-                  (imported.damaged > 0 ? ", " + output::grouped(imported.damaged) + " damaged ones left out" : ""));
+                  output::grouped(imported.known) + " already there");
 }
 
-// Opening for writing repairs and updates the database; a read-only database is only examined.
+// Opening checks all of the database. Opening for writing also puts one that cannot be used aside; a read-only database
+// is only examined.
 Store store_to_check(const Common& common) {
   const fs::path file = own_database_of(common);
   try {
-    (void)Store(file, Access::read).file();
+    db::require_readable(file);
   } catch (const db::Unusable& unusable) {
     if (unusable.trouble() == db::Trouble::absent) throw;  // do not create one
   }
@@ -170,30 +169,23 @@ Store store_to_check(const Common& common) {
 
 int check(const Common& common) {
   const Store store = store_to_check(common);
-  const db::Health health = store.health();
-  const bool whole = health.damaged == 0 && health.lost == 0 && health.findings.empty();
+  const db::Counts counts = store.counts();
   if (common.json) {
     output::print(std::cout, {{"rows", Json::array({{{"database", store.file().string()},
-                                                     {"samples", health.samples},
-                                                     {"damaged", health.damaged},
-                                                     {"lost", health.lost},
-                                                     {"stale", health.stale},
-                                                     {"unknown", health.unknown},
-                                                     {"findings", health.findings},
-                                                     {"repaired", store.messages()}}})}});
-    return whole ? kDone : kEnvironment;
+                                                     {"samples", counts.samples},
+                                                     {"stale", counts.stale},
+                                                     {"unknown", counts.unknown},
+                                                     {"put_aside", store.messages()}}})}});
+    return kDone;
   }
   Page page(std::cout);
   page.title(store.file().string());
-  page.fact("whole", whole ? "yes" : "no");
-  page.list("repaired", store.messages());
-  page.list("findings", health.findings);
-  page.fact("samples", output::grouped(health.samples));
-  if (health.damaged > 0) page.fact("damaged", output::grouped(health.damaged));
-  if (health.lost > 0) page.fact("lost", output::grouped(health.lost));
-  if (health.stale > 0) page.fact("stale", output::grouped(health.stale) + " of library versions not installed now");
-  if (health.unknown > 0) page.fact("unknown", output::grouped(health.unknown) + " of a newer assur");
-  return whole ? kDone : kEnvironment;
+  page.list("put aside", store.messages());
+  if (store.messages().empty()) page.fact("undamaged", "yes");
+  page.fact("samples", output::grouped(counts.samples));
+  if (counts.stale > 0) page.fact("stale", output::grouped(counts.stale) + " of library versions not installed now");
+  if (counts.unknown > 0) page.fact("unknown", output::grouped(counts.unknown) + " of a newer assur");
+  return kDone;
 }
 
 int forget(const Common& common, const DbOptions& options) {
@@ -225,7 +217,7 @@ fs::path own_database_of(const Common& common) {
 
 MachineModel machine_model_of(const Common& common) {
   if (common.db.empty()) return machine_model();
-  (void)Store(common.db, Access::read).file();
+  db::require_readable(common.db);
   return db::read_machine_model(databases_of(common), db::this_host(), db::library_at_hand);
 }
 

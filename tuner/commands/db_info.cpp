@@ -21,7 +21,7 @@ struct Row {
   std::string why_not;   // why it cannot be read
   bool refused = false;  // it exists, but cannot be read
   std::vector<db::Run> runs;
-  db::Health health;
+  db::Counts counts;
 };
 
 std::string role(db::DatabaseFile::Role role) {
@@ -41,7 +41,7 @@ Row look(const db::DatabaseFile& place) {
   try {
     const db::Store store(place.file, db::Access::read);
     row.runs = store.runs();
-    row.health = store.health();
+    row.counts = store.counts();
   } catch (const db::Unusable& unusable) {
     row.refused = unusable.trouble() != db::Trouble::absent;
     row.why_not = row.refused ? unusable.what() : "does not exist";
@@ -73,11 +73,8 @@ Json to_json(const std::vector<Row>& rows) {
     list.push_back({{"database", row.place.file.string()},
                     {"role", role(row.place.role)},
                     {"why_not", row.why_not.empty() ? Json(nullptr) : Json(row.why_not)},
-                    {"samples", row.health.samples},
-                    {"damaged", row.health.damaged},
-                    {"lost", row.health.lost},
-                    {"stale", row.health.stale},
-                    {"findings", row.health.findings},
+                    {"samples", row.counts.samples},
+                    {"stale", row.counts.stale},
                     {"runs", std::move(runs)}});
   }
   return list;
@@ -91,11 +88,8 @@ void print(Page& page, const Row& row, const std::string& here) {
     return;
   }
   page.fact("samples",
-            output::grouped(row.health.samples) +
-                (row.health.stale > 0 ? ", " + output::grouped(row.health.stale) + " of other library versions" : "") +
-                (row.health.damaged > 0 ? ", " + output::grouped(row.health.damaged) + " damaged" : "") +
-                (row.health.lost > 0 ? ", " + output::grouped(row.health.lost) + " lost" : ""));
-  page.list("findings", row.health.findings);
+            output::grouped(row.counts.samples) +
+                (row.counts.stale > 0 ? ", " + output::grouped(row.counts.stale) + " of other library versions" : ""));
   if (row.runs.empty()) return;
   using enum Table::Align;
   Table table({right, left, left, left, left, right, right});

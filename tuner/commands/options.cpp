@@ -391,7 +391,7 @@ void add_db(CLI::App& app, Invocation& call) {
   add_question(db, call, "models", "List the models fitted to the samples", {});
   add_question(db, call, "export", "Copy samples to a new file", {"FILE", "--run", "--machine", "--library"});
   add_question(db, call, "import", "Add the samples of another file", {"FILE"});
-  add_question(db, call, "check", "Find and repair damage", {});
+  add_question(db, call, "check", "Find damage, and put a damaged database aside", {});
   add_question(db, call, "forget", "Remove samples", {"--run", "--machine", "--library", "--all"});
   add_common(db, call.common);
 }

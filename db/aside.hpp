@@ -1,0 +1,16 @@
+// Puts files aside that cannot be continued. Nothing of them is used: to tune again takes a minute.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "db/connection.hpp"
+
+namespace assur::db {
+
+// Opens a file for writing and checks all of it. A damaged file is renamed to FILE.corrupt-TIME, one of an older schema
+// to FILE.old-TIME, and a new one is made; `messages` then has a note. Throws Unusable.
+[[nodiscard]] SQLite::Database open_or_put_aside(const std::filesystem::path& file, std::vector<std::string>& messages);
+
+}  // namespace assur::db
