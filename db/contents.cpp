@@ -8,10 +8,12 @@
 #include <locale>
 #include <memory>
 #include <optional>
+#include <set>
 #include <sstream>
 #include <tuple>
 
 #include "db/checksum.hpp"
+#include "db/schema.hpp"
 #include "dispatch/impossible.hpp"
 #include "dispatch/pace.hpp"
 #include "numbers.hpp"
@@ -255,6 +257,16 @@ std::map<PaceOrigin, double> usual_paces(const Samples& samples, const Tables& t
   return usual;
 }
 
+// Columns and triggers of the tables. The texts that made tables differ, because they have comments.
+std::set<std::string> outline(SQLite::Database& database) {
+  std::set<std::string> parts;
+  SQLite::Statement part(database,
+                         "SELECT t.name || ' ' || coalesce(c.name || ' ' || c.type, t.sql) FROM sqlite_schema t "
+                         "LEFT JOIN pragma_table_info(t.name) c WHERE t.type IN ('table', 'trigger')");
+  while (part.executeStep()) parts.insert(part.getColumn(0).getString());
+  return parts;
+}
+
 }  // namespace
 
 Tables read_tables(SQLite::Database& database) {
@@ -325,6 +337,12 @@ void check_all(SQLite::Database& database) {
   SQLite::Statement references(database, "PRAGMA foreign_key_check");
   if (references.executeStep()) {
     throw_damaged("rows of " + references.getColumn(0).getString() + " refer to missing rows");
+  }
+  SQLite::Database fresh(":memory:", SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
+  fresh.exec(std::string(kSchema));
+  const std::set<std::string> wanted = outline(fresh), found = outline(database);
+  if (!std::includes(found.begin(), found.end(), wanted.begin(), wanted.end())) {
+    throw_damaged("its tables are not those of db/schema.sql");
   }
 }
 

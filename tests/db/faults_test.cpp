@@ -515,7 +515,7 @@ TEST(Faults, SurvivesRandomFaults) {
       EXPECT_TRUE(model.messages.empty());
       expect_all(Store(file, Access::read).samples());
     }
-    EXPECT_EQ(bytes(file), damaged);
+    EXPECT_TRUE(bytes(file) == damaged);
     EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 1);
 
     // The tuner continues with the whole file, or with a new one.
@@ -540,7 +540,7 @@ TEST(Faults, SurvivesRandomFaults) {
       EXPECT_EQ(store.samples().size(), kept + 2);
     } catch (const db::Unusable& unusable) {
       EXPECT_TRUE(unusable.trouble() == Trouble::foreign || unusable.trouble() == Trouble::newer) << unusable.what();
-      EXPECT_EQ(bytes(file), damaged);
+      EXPECT_TRUE(bytes(file) == damaged);
       ++refused;
     }
   }
