@@ -30,7 +30,14 @@ class Lock {
   int descriptor_ = -1;
 };
 
-SQLite::Database open_and_check(const fs::path& file) {
+// Checks the file before it is opened for writing, so that a damaged one is renamed as it is, and while no other
+// process writes logs beside it.
+SQLite::Database check_and_open(const fs::path& file) {
+  try {
+    (void)open_to_read_checked(file);
+  } catch (const Unusable& unusable) {  // opening for writing makes an absent file, and undoes what was cut off
+    if (unusable.trouble() != Trouble::absent && unusable.trouble() != Trouble::blocked) throw;
+  }
   return guarded(file, [&] {
     SQLite::Database database = open_to_write(file, is_on_network(file));
     check_all(database);
@@ -57,15 +64,23 @@ fs::path put_aside(const fs::path& file, Trouble trouble) {
 
 }  // namespace
 
+SQLite::Database open_to_read_checked(const fs::path& file) {
+  return guarded(file, [&] {
+    SQLite::Database database = open_to_read(file);
+    check_all(database);
+    return database;
+  });
+}
+
 SQLite::Database open_or_put_aside(const fs::path& file, std::vector<std::string>& messages) {
   try {
-    return open_and_check(file);
+    return check_and_open(file);
   } catch (const Unusable& unusable) {
     if (!goes_aside(unusable.trouble())) throw;
   }
   const Lock lock(file);
   try {
-    return open_and_check(file);  // another process was faster
+    return check_and_open(file);  // another process was faster
   } catch (const Unusable& unusable) {
     if (!goes_aside(unusable.trouble())) throw;
     const fs::path aside = put_aside(file, unusable.trouble());

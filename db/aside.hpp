@@ -1,4 +1,4 @@
-// Puts files aside that cannot be continued. Nothing of them is used: to tune again takes a minute.
+// Opens files of which all is good. Nothing of another file is used: to tune again takes a minute.
 #pragma once
 
 #include <filesystem>
@@ -8,6 +8,9 @@
 #include "db/connection.hpp"
 
 namespace assur::db {
+
+// Opens a file for reading and checks all of it. Throws Unusable.
+[[nodiscard]] SQLite::Database open_to_read_checked(const std::filesystem::path& file);
 
 // Opens a file for writing and checks all of it. A damaged file is renamed to FILE.corrupt-TIME, one of an older schema
 // to FILE.old-TIME, and a new one is made; `messages` then has a note. Throws Unusable.

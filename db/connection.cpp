@@ -20,31 +20,19 @@ constexpr auto kPatience = 60s;        // while another process writes
 constexpr auto kReadersPatience = 1s;  // used only without a write-ahead log
 
 // Judges a file by its first 100 bytes (https://www.sqlite.org/fileformat.html, 1.3).
-Trouble trouble_of(const fs::path& file, bool& is_good) {
-  is_good = false;
+void refuse_unusable(const fs::path& file) {
+  if (const std::string kind = why_not_regular(file); !kind.empty()) throw Unusable(Trouble::foreign, file, kind);
   std::array<char, 100> header{};
   std::ifstream stream(file, std::ios::binary);
   stream.read(header.data(), header.size());
   const std::string_view bytes(header.data(), static_cast<std::size_t>(stream.gcount()));
-  if (bytes.empty()) return Trouble::absent;
-  const std::string_view magic("SQLite format 3\0", 16);
-  const auto byte = [&](std::size_t i) { return static_cast<std::uint32_t>(static_cast<unsigned char>(header[i])); };
-  const std::uint32_t id = byte(68) << 24 | byte(69) << 16 | byte(70) << 8 | byte(71);
+  if (bytes.empty()) throw Unusable(Trouble::absent, file, "there is no tuning database yet; run `assur tune`");
+  const std::string_view magic("SQLite format 3\0", 16), id("Assr");  // kApplicationId
   const bool is_sqlite = bytes.substr(0, 16) == magic.substr(0, bytes.size());
-  if (bytes.size() < header.size()) return is_sqlite ? Trouble::damaged : Trouble::foreign;
-  if (id != static_cast<std::uint32_t>(kApplicationId)) return Trouble::foreign;
-  is_good = is_sqlite;
-  return Trouble::damaged;
-}
-
-void refuse_unusable(const fs::path& file) {
-  if (const std::string kind = why_not_regular(file); !kind.empty()) throw Unusable(Trouble::foreign, file, kind);
-  bool is_good = false;
-  const Trouble trouble = trouble_of(file, is_good);
-  if (is_good) return;
-  if (trouble == Trouble::absent) throw Unusable(trouble, file, "there is no tuning database yet; run `assur tune`");
-  if (trouble == Trouble::damaged) throw Unusable(trouble, file, "its first bytes are damaged");
-  throw Unusable(trouble, file, "is not a tuning database of assur, and is left unchanged; name another file");
+  const bool is_cut = bytes.size() < header.size(), is_ours = !is_cut && bytes.substr(68, 4) == id;
+  if (is_sqlite && is_ours) return;
+  if (is_ours || (is_sqlite && is_cut)) throw Unusable(Trouble::damaged, file, "its first bytes are damaged");
+  throw Unusable(Trouble::foreign, file, "is not a tuning database of assur, and is left unchanged; name another file");
 }
 
 // Every path is given as a URI, because only a URI can declare a file immutable.

@@ -230,30 +230,29 @@ void take_sample(const Row& row, const Tables& tables, Samples& samples) {
   samples.rows.push_back(std::move(r));
 }
 
-// The work that measures the pace is fixed for one version and build of assur.
-using PaceOrigin = std::tuple<std::int64_t, std::string_view, std::string_view>;  // machine, assur, build
+using Origin = std::pair<std::int64_t, std::int64_t>;  // run, library
 
-PaceOrigin origin_of(const SampleRow& row, const Tables& tables) {
-  const RunRow& run = tables.runs.at(row.run).value;
-  return {run.machine, run.run.assur, tables.libraries.at(row.library).value.build};
-}
-
-// Other programs only slow a machine down, so the lower quartile is the usual pace.
-std::map<PaceOrigin, double> usual_paces(const Samples& samples, const Tables& tables) {
-  std::map<PaceOrigin, std::vector<double>> seen;
-  std::map<std::pair<std::int64_t, std::int64_t>, std::vector<double>*> of;  // run, library
+// The usual slowness at each origin of samples. The work that measures the pace is fixed for one version and build of
+// assur. Other programs only slow a machine down, so the lower quartile is the usual pace.
+std::map<Origin, double> usual_paces(const Samples& samples, const Tables& tables) {
+  std::map<std::tuple<std::int64_t, std::string, std::string>, std::vector<double>> seen;  // machine, assur, build
+  std::map<Origin, std::vector<double>*> of;
   for (const SampleRow& row : samples.rows) {
     if (std::isnan(row.sample.slowness)) continue;
     const auto [at, is_new] = of.try_emplace({row.run, row.library});
-    if (is_new) at->second = &seen[origin_of(row, tables)];
+    if (is_new) {
+      const RunRow& run = tables.runs.at(row.run).value;
+      at->second = &seen[{run.machine, run.run.assur, tables.libraries.at(row.library).value.build}];
+    }
     at->second->push_back(row.sample.slowness);
   }
-  std::map<PaceOrigin, double> usual;
   for (auto& [origin, all] : seen) {
     const auto quarter = all.begin() + static_cast<std::ptrdiff_t>((all.size() - 1) / 4);
     std::nth_element(all.begin(), quarter, all.end());
-    usual[origin] = *quarter;
+    all = {*quarter};
   }
+  std::map<Origin, double> usual;
+  for (const auto& [origin, all] : of) usual[origin] = all->front();
   return usual;
 }
 
@@ -347,28 +346,18 @@ void check_all(SQLite::Database& database) {
 }
 
 void at_usual_pace(Samples& samples, const Tables& tables) {
-  const auto usual = usual_paces(samples, tables);
-  std::map<std::pair<std::int64_t, std::int64_t>, double> of;  // run, library
+  const std::map<Origin, double> usual = usual_paces(samples, tables);
   for (SampleRow& row : samples.rows) {
     Sample& s = row.sample;
     if (std::isnan(s.slowness)) {
       s.slowness = 1;
       continue;
     }
-    const auto [at, is_new] = of.try_emplace({row.run, row.library});
-    if (is_new) at->second = usual.at(origin_of(row, tables));
-    const double slowness = s.slowness / at->second;
+    const double slowness = s.slowness / usual.at({row.run, row.library});
     s.seconds = slowed(s.kernel, s.seconds, 1 / slowness);
     s.spread *= 1 / slowness;
     s.slowness = slowness;
   }
-}
-
-std::optional<double> usual_pace(const Contents& contents, std::int64_t machine, std::string_view assur,
-                                 std::string_view build) {
-  const auto usual = usual_paces(contents.samples, contents.tables);
-  const auto found = usual.find({machine, assur, build});
-  return found == usual.end() ? std::nullopt : std::optional(found->second);
 }
 
 std::int64_t checksum(const Sample& sample, const Library& library, const std::string& run,

@@ -74,9 +74,6 @@ void check_all(SQLite::Database& database);
 // unknown. The usual pace follows from all samples of a machine, version and build, so that one wrong sample hardly
 // affects the others.
 void at_usual_pace(Samples& samples, const Tables& tables);
-// Usual time of the fixed work, s. Empty if it is unknown for this machine (its id), version of assur and build.
-[[nodiscard]] std::optional<double> usual_pace(const Contents& contents, std::int64_t machine, std::string_view assur,
-                                               std::string_view build);
 
 // Content of the column sample.checksum.
 [[nodiscard]] std::int64_t checksum(const Sample& sample, const Library& library, const std::string& run,

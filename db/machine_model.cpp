@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <map>
+#include <set>
 #include <tuple>
 #include <unordered_set>
 #include <utility>
@@ -27,13 +28,6 @@ struct Source {
   std::vector<std::pair<Likeness, std::int64_t>> machines;  // the closest first
 };
 
-struct Counts {
-  std::int64_t seen = 0, stale = 0, impossible = 0;
-  std::vector<std::string> changes;  // "klu 1.3.9 is now 2.0.0"
-};
-
-std::string number(std::int64_t count) { return std::to_string(count); }
-
 class Reading {
  public:
   Reading(const Host& host, const LibraryAtHand& at_hand) : host_(host), at_hand_(at_hand) {}
@@ -46,8 +40,7 @@ class Reading {
   std::vector<Sample> samples_of(Source& source, std::int64_t machine);
   void add(std::vector<Sample> found);
   void say_source(const Source& source, std::int64_t machine, Likeness level);
-  const Library& library_of(const std::string& name);  // the version installed here
-  bool believed(const Library& library);
+  bool is_at_hand(const Library& library);  // if not, changes_ says why
   void say_counts();
   void say_nothing_fits();
   void say(std::string text) { messages_.push_back(std::move(text)); }
@@ -55,11 +48,11 @@ class Reading {
   const Host& host_;
   const LibraryAtHand& at_hand_;
   std::vector<Source> sources_;
-  std::map<std::string, Library> libraries_;  // the versions installed here, as far as looked up
   std::vector<Sample> samples_;
   std::unordered_set<std::uint64_t> cells_;  // cells that earlier files have
   std::string source_;
-  Counts counts_;
+  std::int64_t seen_ = 0, stale_ = 0, impossible_ = 0;  // samples
+  std::set<std::string> changes_;                       // "klu was 1.3.9, is 2.0.0"
   std::vector<std::string> messages_;
 };
 
@@ -96,21 +89,13 @@ void Reading::open(const DatabaseFile& file) {
   }
 }
 
-const Library& Reading::library_of(const std::string& name) {
-  const auto found = libraries_.find(name);
-  return found != libraries_.end() ? found->second : libraries_.emplace(name, at_hand_(name)).first->second;
-}
-
-bool Reading::believed(const Library& library) {
-  const Library& now = library_of(library.name);
+bool Reading::is_at_hand(const Library& library) {
+  const Library now = at_hand_(library.name);
   if (library == now) return true;
-  const std::string change = now.version.empty() ? library.name + " is not available"
-                             : library.version != now.version
-                                 ? library.name + " was " + library.version + ", is " + now.version
-                                 : library.name + " was built by " + library.build + ", is by " + now.build;
-  if (std::find(counts_.changes.begin(), counts_.changes.end(), change) == counts_.changes.end()) {
-    counts_.changes.push_back(change);
-  }
+  changes_.insert(now.version.empty() ? library.name + " is not available"
+                  : library.version != now.version
+                      ? library.name + " was " + library.version + ", is " + now.version
+                      : library.name + " was built by " + library.build + ", is by " + now.build);
   return false;
 }
 
@@ -124,19 +109,17 @@ std::vector<Sample> Reading::samples_of(Source& source, std::int64_t machine) {
   if (runs.size() == source.tables.runs.size()) runs.clear();  // all runs: reading in the order of the table is faster
   Samples samples = read_samples(source.database, source.tables, runs);
   at_usual_pace(samples, source.tables);
-  counts_.seen += static_cast<std::int64_t>(samples.rows.size());
+  seen_ += static_cast<std::int64_t>(samples.rows.size());
   std::map<std::int64_t, bool> holds;
   std::vector<Sample> good;
   good.reserve(samples.rows.size());
   for (SampleRow& row : samples.rows) {
-    auto found = holds.find(row.library);
-    if (found == holds.end()) {
-      found = holds.emplace(row.library, believed(source.tables.libraries.at(row.library).value)).first;
-    }
-    if (!found->second) {
-      ++counts_.stale;
+    const auto [at, is_new] = holds.try_emplace(row.library);
+    if (is_new) at->second = is_at_hand(source.tables.libraries.at(row.library).value);
+    if (!at->second) {
+      ++stale_;
     } else if (!why_impossible(row.sample).empty()) {
-      ++counts_.impossible;
+      ++impossible_;
     } else {
       good.push_back(std::move(row.sample));
     }
@@ -196,16 +179,14 @@ void Reading::say_source(const Source& source, std::int64_t machine, Likeness le
 }
 
 void Reading::say_counts() {
-  if (counts_.stale > 0) {
-    std::string changes;
-    for (const std::string& change : counts_.changes) changes += (changes.empty() ? "" : "; ") + change;
-    say(number(counts_.stale) + " of " + number(counts_.seen) +
-        " samples are left out, because their libraries changed (" + changes + ")" + kTune);
-  }
-  if (counts_.impossible > 0) {
-    say(number(counts_.impossible) + " of " + number(counts_.seen) +
-        " samples are left out, because their times at the usual pace are not 1e-15 to 1e9 s" + kTune);
-  }
+  const auto left_out = [&](std::int64_t count, const std::string& because) {
+    if (count == 0) return;
+    say(std::to_string(count) + " of " + std::to_string(seen_) + " samples are left out, because " + because + kTune);
+  };
+  std::string changes;
+  for (const std::string& change : changes_) changes += (changes.empty() ? "" : "; ") + change;
+  left_out(stale_, "their libraries changed (" + changes + ")");
+  left_out(impossible_, "their times at the usual pace are not 1e-15 to 1e9 s");
 }
 
 void Reading::say_nothing_fits() {

@@ -1,4 +1,5 @@
 // Store: tuning runs, their samples, and models.
+#include <SQLiteCpp/VariadicBind.h>
 #include <sys/types.h>
 #include <unistd.h>
 
@@ -86,16 +87,13 @@ std::optional<std::int64_t> Store::unfinished_run(const Host& host, std::string_
                                  "SELECT r.id, r.process FROM tuning_run r JOIN machine m ON m.id = r.machine "
                                  "WHERE r.finished IS NULL AND m.fingerprint = ?1 AND r.profile = ?2 AND r.assur = ?3 "
                                  "ORDER BY r.id DESC");
-    candidates.bind(1, host.fingerprint());
-    candidates.bind(2, std::string(profile));
-    candidates.bind(3, std::string(assur_version()));
+    SQLite::bind(candidates, host.fingerprint(), std::string(profile), std::string(assur_version()));
     while (candidates.executeStep()) {
       if (is_used_by_another(candidates.getColumn(1).getInt64())) continue;
       const std::int64_t run = candidates.getColumn(0).getInt64();
       candidates.reset();
       SQLite::Statement take(impl_->database, "UPDATE tuning_run SET process = ?2 WHERE id = ?1");
-      take.bind(1, run);
-      take.bind(2, static_cast<std::int64_t>(getpid()));
+      SQLite::bind(take, run, getpid());
       take.exec();
       transaction.commit();
       return run;
@@ -129,44 +127,8 @@ void Store::finish_run(std::int64_t run, const RunResult& result) {
     SQLite::Statement finish(impl_->database,
                              "UPDATE tuning_run SET finished = ?2, grade = ?3, seconds = ?4, coverage = ?5, note = ?6 "
                              "WHERE id = ?1");
-    finish.bind(1, run);
-    finish.bind(2, utc_now());
-    finish.bind(3, std::string(name(result.grade)));
-    finish.bind(4, result.seconds);
-    finish.bind(5, result.coverage);
-    finish.bind(6, result.note);
+    SQLite::bind(finish, run, utc_now(), std::string(name(result.grade)), result.seconds, result.coverage, result.note);
     check_changed(finish.exec(), run);
-  });
-}
-
-bool Store::has(std::int64_t run, Kernel kernel, const Shape& shape, const Strategy& strategy) const {
-  return guarded(impl_->file, [&] {
-    SQLite::Statement find(
-        impl_->database,
-        "SELECT 1 FROM sample WHERE run = ?1 AND kernel = ?2 AND strategy = (SELECT id FROM strategy WHERE text = ?3) "
-        "AND shape = (SELECT id FROM shape WHERE n = ?4 AND nnz = ?5 AND groups = ?6 AND rhs = ?7 AND fill = ?8 "
-        "AND operations = ?9 AND depth = ?10 AND terms = ?11 AND pattern = ?12) AND library = (SELECT id FROM library "
-        "WHERE name = ?13 AND version = ?14 AND build = ?15)");
-    Sample sample;
-    sample.kernel = kernel;
-    sample.strategy = strategy;
-    const Library& library = impl_->library(library_name(sample));
-    find.bind(1, run);
-    find.bind(2, std::string(name(kernel)));
-    find.bind(3, to_string(strategy));
-    find.bind(4, shape.n);
-    find.bind(5, shape.nnz);
-    find.bind(6, shape.groups);
-    find.bind(7, shape.rhs);
-    find.bind(8, shape.fill);
-    find.bind(9, shape.operations);
-    find.bind(10, shape.depth);
-    find.bind(11, shape.terms);
-    find.bind(12, hexadecimal(shape.pattern));
-    find.bind(13, library.name);
-    find.bind(14, library.version);
-    find.bind(15, library.build);
-    return find.executeStep();
   });
 }
 
@@ -191,11 +153,8 @@ void Store::put_model(const Host& host, std::string_view name, std::string_view 
                           "INSERT INTO model (machine, name, made, assur, content) VALUES (?1, ?2, ?3, ?4, ?5) "
                           "ON CONFLICT (machine, name) DO UPDATE SET made = excluded.made, assur = excluded.assur, "
                           "content = excluded.content");
-    put.bind(1, Writer(impl_->database).machine(host));
-    put.bind(2, std::string(name));
-    put.bind(3, utc_now());
-    put.bind(4, std::string(assur_version()));
-    put.bind(5, std::string(json));
+    SQLite::bind(put, Writer(impl_->database).machine(host), std::string(name), utc_now(), std::string(assur_version()),
+                 std::string(json));
     put.exec();
     transaction.commit();
   });
@@ -206,8 +165,7 @@ std::optional<std::string> Store::model(const Host& host, std::string_view name)
     SQLite::Statement find(impl_->database,
                            "SELECT content FROM model JOIN machine ON machine.id = model.machine "
                            "WHERE fingerprint = ?1 AND model.name = ?2");
-    find.bind(1, host.fingerprint());
-    find.bind(2, std::string(name));
+    SQLite::bind(find, host.fingerprint(), std::string(name));
     if (!find.executeStep()) return std::nullopt;
     return find.getColumn(0).getString();
   });

@@ -1,5 +1,7 @@
 #include "db/store.hpp"
 
+#include <SQLiteCpp/VariadicBind.h>
+
 #include <random>
 
 #include "db/aside.hpp"
@@ -10,12 +12,7 @@ namespace assur::db {
 namespace {
 
 SQLite::Database open(const std::filesystem::path& file, Access access, std::vector<std::string>& messages) {
-  if (access == Access::write) return open_or_put_aside(file, messages);
-  return guarded(file, [&] {
-    SQLite::Database database = open_to_read(file);
-    check_all(database);
-    return database;
-  });
+  return access == Access::write ? open_or_put_aside(file, messages) : open_to_read_checked(file);
 }
 
 }  // namespace
@@ -81,12 +78,11 @@ std::vector<Sample> Store::samples(const Filter& filter) const {
 
 std::optional<double> Store::usual_pace(const Host& host) const {
   return guarded(impl_->file, [&]() -> std::optional<double> {
-    const Contents contents = read_all(impl_->database);
-    for (const auto& [id, machine] : contents.tables.machines) {
-      if (machine.fingerprint() != host.fingerprint()) continue;
-      return db::usual_pace(contents, id, assur_version(), library_at_hand("assur").build);
-    }
-    return std::nullopt;
+    SQLite::Statement find(impl_->database,
+                           "SELECT slowness FROM usual_pace u JOIN machine m ON m.id = u.machine "
+                           "WHERE fingerprint = ?1 AND assur = ?2 AND build = ?3");
+    SQLite::bind(find, host.fingerprint(), std::string(assur_version()), library_at_hand("assur").build);
+    return find.executeStep() ? std::optional(find.getColumn(0).getDouble()) : std::nullopt;
   });
 }
 

@@ -100,7 +100,7 @@ class Store {
   // Begins a tuning run on this host; stores its load and the versions of the libraries. Returns its id.
   std::int64_t begin_run(const Host& host, std::string_view profile);
   // Takes over the last unfinished run of this profile by this version of assur on this host, unless another process
-  // works on it. Continue the run, and skip the samples for which has() is true.
+  // works on it. Continue the run, and skip the cells whose samples it has.
   [[nodiscard]] std::optional<std::int64_t> unfinished_run(const Host& host, std::string_view profile);
   // Stores all samples, or none of them, in one transaction that survives the process. A sample without uid gets one; a
   // sample whose uid exists already is not changed. pace: time of the fixed work at slowness 1, s; NaN: it and the
@@ -110,9 +110,6 @@ class Store {
   // Usual time of the fixed work on this host with this build of assur, s; empty if no sample has it.
   [[nodiscard]] std::optional<double> usual_pace(const Host& host) const;
   void finish_run(std::int64_t run, const RunResult& result);
-  // True if the run has a sample of the same kernel, shape and strategy, measured with the present version of its
-  // library.
-  [[nodiscard]] bool has(std::int64_t run, Kernel kernel, const Shape& shape, const Strategy& strategy) const;
 
   // In the order in which they were added.
   [[nodiscard]] std::vector<Sample> samples(const Filter& filter = {}) const;

@@ -85,7 +85,7 @@ void expect_put_aside(const fs::path& file, Trouble expected, const std::string&
   ASSERT_EQ(aside.size(), 1u);
   EXPECT_EQ(store.messages(), std::vector<std::string>{found + ". It was renamed to " + aside[0].string() +
                                                        ", and a new file was begun; tune again"});
-  EXPECT_EQ(fs::file_size(aside[0]), before.size());
+  EXPECT_TRUE(bytes(aside[0]) == before);
   EXPECT_TRUE(store.samples().empty());
   EXPECT_TRUE(store.runs().empty());
   EXPECT_TRUE(model_of(file).messages.empty());
@@ -133,9 +133,7 @@ TEST(Faults, AnOlderSchemaIsPutAside) {
   SQLite::Database(file.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE)
       .exec(bytes(fs::path(ASSUR_SOURCE_DIR) / "tests/data/databases/version_2.sql"));
   change(file, "PRAGMA user_version = 2");
-  const std::string before = bytes(file);
   expect_put_aside(file, Trouble::older, "its schema has version 2, but this assur uses version 3");
-  EXPECT_EQ(bytes(files_beside(file, ".old-").at(0)), before);
 }
 
 TEST(Faults, AFullDiskLosesOnlyTheCurrentCell) {
@@ -533,7 +531,7 @@ TEST(Faults, SurvivesRandomFaults) {
         ++put_aside;
       }
       if (!aside.empty()) {
-        EXPECT_EQ(bytes(aside[0]).size(), damaged.size());
+        EXPECT_TRUE(bytes(aside[0]) == damaged);
       }
       const std::size_t kept = store.samples().size();
       store.add(store.begin_run(host_with(4), "quick"), cell_of(1000, 2));

@@ -204,11 +204,6 @@ TEST(Store, ContinuesAnUnfinishedRun) {
   EXPECT_EQ(store.unfinished_run(host_with(4), "patient"), std::nullopt);
   EXPECT_EQ(store.unfinished_run(host_with(2), "quick"), std::nullopt);
   EXPECT_EQ(store.unfinished_run(host_with(4), "quick"), run);
-  EXPECT_TRUE(store.has(run, cell[0].kernel, cell[0].shape, cell[0].strategy));
-  EXPECT_FALSE(store.has(run, Kernel::solve, cell[0].shape, cell[0].strategy));
-  EXPECT_FALSE(store.has(run, cell[0].kernel, sample_of(7).shape, cell[0].strategy));
-  EXPECT_FALSE(store.has(run, cell[0].kernel, cell[0].shape, parse_strategy("groups/lanes:8")));
-  EXPECT_FALSE(store.has(run + 1, cell[0].kernel, cell[0].shape, cell[0].strategy));
   store.finish_run(run, {});
   EXPECT_EQ(store.unfinished_run(host_with(4), "quick"), std::nullopt);
 }
