@@ -31,10 +31,10 @@ class Lock {
 };
 
 // Checks the file before it is opened for writing, so that a damaged one is renamed as it is, and while no other
-// process writes logs beside it.
+// process writes logs beside it. A file that is read without locks may look damaged while another process writes.
 SQLite::Database check_and_open(const fs::path& file) {
   try {
-    (void)open_to_read_checked(file);
+    (void)open_to_read_checked(file, false);
   } catch (const Unusable& unusable) {  // opening for writing makes an absent file, and undoes what was cut off
     if (unusable.trouble() != Trouble::absent && unusable.trouble() != Trouble::blocked) throw;
   }
@@ -64,9 +64,9 @@ fs::path put_aside(const fs::path& file, Trouble trouble) {
 
 }  // namespace
 
-SQLite::Database open_to_read_checked(const fs::path& file) {
+SQLite::Database open_to_read_checked(const fs::path& file, bool without_locks) {
   return guarded(file, [&] {
-    SQLite::Database database = open_to_read(file);
+    SQLite::Database database = open_to_read(file, without_locks);
     check_all(database);
     return database;
   });

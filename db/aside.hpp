@@ -9,8 +9,8 @@
 
 namespace assur::db {
 
-// Opens a file for reading and checks all of it. Throws Unusable.
-[[nodiscard]] SQLite::Database open_to_read_checked(const std::filesystem::path& file);
+// open_to_read(), with a check of all of the file.
+[[nodiscard]] SQLite::Database open_to_read_checked(const std::filesystem::path& file, bool without_locks = true);
 
 // Opens a file for writing and checks all of it. A damaged file is renamed to FILE.corrupt-TIME, one of an older schema
 // to FILE.old-TIME, and a new one is made; `messages` then has a note. Throws Unusable.

@@ -112,12 +112,12 @@ bool lacks_permission(const SQLite::Exception& error) {
   return code == SQLITE_CANTOPEN || code == SQLITE_READONLY || code == SQLITE_PERM;
 }
 
-SQLite::Database try_without_writing(const fs::path& file) {
+SQLite::Database try_without_writing(const fs::path& file, bool without_locks) {
   const bool journal = has_content(file, "-journal");
   try {
     return open_read_only(file, "?mode=ro");
   } catch (const SQLite::Exception& error) {
-    if (!lacks_permission(error)) throw;
+    if (!without_locks || !lacks_permission(error)) throw;
     if (!journal) return open_read_only(file, "?immutable=1");  // ignores the content of the log
     throw Unusable(Trouble::blocked, file,
                    std::string("a tuning run was cut off while it wrote (") + error.what() +
@@ -162,9 +162,10 @@ void rethrow(const fs::path& file, const SQLite::Exception& error) {
   }
 }
 
-SQLite::Database open_to_read(const fs::path& file) {
+SQLite::Database open_to_read(const fs::path& file, bool without_locks) {
   refuse_unusable(file);
-  return guarded(file, [&] { return while_busy(kReadersPatience, [&] { return try_without_writing(file); }); });
+  return guarded(
+      file, [&] { return while_busy(kReadersPatience, [&] { return try_without_writing(file, without_locks); }); });
 }
 
 SQLite::Database open_to_write(const fs::path& file, bool network) {

@@ -24,8 +24,9 @@ decltype(auto) guarded(const std::filesystem::path& file, Work&& work) {
   }
 }
 
-// Opens a file without writing. Throws Unusable.
-[[nodiscard]] SQLite::Database open_to_read(const std::filesystem::path& file);
+// Opens a file without writing. In a folder where no log can be opened, reads the file without locks, as if nobody
+// wrote it; if that is not allowed, the file is blocked. Throws Unusable.
+[[nodiscard]] SQLite::Database open_to_read(const std::filesystem::path& file, bool without_locks = true);
 
 // Opens a file for writing, without a check for damage. Makes missing folders and files. network: other computers may
 // write the file; it then has no write-ahead log, which needs shared memory. Throws Unusable.
