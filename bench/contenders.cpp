@@ -41,8 +41,8 @@ void expect_ok(const Status& status) {
 
 class Steps : public Contender {
  public:
-  Steps(const Scene& scene, const Prepare& prepare, int steps, const StepLimits& limits, bool times_steps)
-      : simulator_(prepared(scene, prepare), limits), steps_(steps) {
+  Steps(const Scene& scene, const Prepare& prepare, int steps, const StepSettings& settings, bool times_steps)
+      : simulator_(prepared(scene, prepare), settings), steps_(steps) {
     if (times_steps) times_.emplace(0).tick();
   }
 
@@ -187,9 +187,9 @@ class Crowded : public Contender {
 
 }  // namespace
 
-std::unique_ptr<Contender> make_steps(const Scene& scene, const Prepare& prepare, int steps, const StepLimits& limits,
-                                      bool times_steps) {
-  return std::make_unique<Steps>(scene, prepare, steps, limits, times_steps);
+std::unique_ptr<Contender> make_steps(const Scene& scene, const Prepare& prepare, int steps,
+                                      const StepSettings& settings, bool times_steps) {
+  return std::make_unique<Steps>(scene, prepare, steps, settings, times_steps);
 }
 
 int steps_in(double seconds, const Scene& scene, const std::string& strategy) {

@@ -20,7 +20,7 @@ struct Prepare {
 // Latency: blocks of step(). Contenders with the same `steps` go through the same times. times_steps: also times single
 // steps.
 [[nodiscard]] std::unique_ptr<Contender> make_steps(const Scene& scene, const Prepare& prepare, int steps,
-                                                    const StepLimits& limits = {}, bool times_steps = false);
+                                                    const StepSettings& settings = {}, bool times_steps = false);
 
 // Number of steps of `scene` by `strategy` that take about this time on one thread; at least 1.
 [[nodiscard]] int steps_in(double seconds, const Scene& scene, const std::string& strategy);

@@ -28,7 +28,7 @@ std::string packs(int p) { return p > 1 ? split(p, 1) : ""; }
 
 std::string rings(const Options& o) { return o.quick ? "rings:legs=16,n=24" : "rings:legs=64,n=120"; }
 
-StepLimits limits(bool pinned) { return {.pin_to = pinned ? this_machine().cores : std::vector<int>{}}; }
+StepSettings settings(bool pinned) { return {.pin_to = pinned ? this_machine().cores : std::vector<int>{}}; }
 
 // A row of a table. bound: largest difference from a run with other lanes, chunks or threads in a solver; a run with
 // other numbers of threads for packs has the same bits.
@@ -230,7 +230,7 @@ std::vector<Entry> pinned(const Options& o) {
         Entry timed = row(text, strategy, one, one);
         if (pin) timed.condition = "pinned";
         const std::size_t added = add(contest, std::move(timed), [&] {
-          return make_steps(scene, {strategy, o.threads}, steps, limits(pin), true);
+          return make_steps(scene, {strategy, o.threads}, steps, settings(pin), true);
         });
         if (one == Entry::kItself) one = added;
       }
@@ -251,7 +251,7 @@ std::vector<Entry> crowd(const Options& o) {
     for (const bool pin : {false, true}) {
       if (pin && p == 1) continue;
       const std::string strategy = "groups/lanes:8" + packs(p);
-      const auto make = [&] { return make_steps(scene, {strategy, o.threads}, steps, limits(pin), true); };
+      const auto make = [&] { return make_steps(scene, {strategy, o.threads}, steps, settings(pin), true); };
       Entry quiet = row(text, strategy), busy = row(text, strategy, contest.size(), contest.size());
       if (pin) quiet.condition = "pinned";
       busy.condition = (pin ? "pinned, " : "") + std::to_string(o.busy) + " busy processes";

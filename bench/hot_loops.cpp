@@ -44,10 +44,10 @@ int main(int argc, char** argv) {
   }
   try {
     const assur::Scene scene = scene_of(argv[1]);
-    assur::StepLimits limits;
-    if (argc == 5) limits.iterations = std::stoi(argv[4]);
-    assur::Simulator simulator(assur::prepare(scene, {argv[2], {}}), limits);
-    const std::int64_t steps = std::stoll(argv[3]), warm = limits.iterations > 0 ? kWarmIfFixed : kWarm;
+    assur::StepSettings settings;
+    if (argc == 5) settings.iterations = std::stoi(argv[4]);
+    assur::Simulator simulator(assur::prepare(scene, {argv[2], {}}), settings);
+    const std::int64_t steps = std::stoll(argv[3]), warm = settings.iterations > 0 ? kWarmIfFixed : kWarm;
     for (std::int64_t k = 1; k <= warm; ++k) {
       if (!simulator.step(scene.time().time(k)).arrived()) return 1;
     }

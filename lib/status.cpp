@@ -29,8 +29,8 @@ std::string_view name(Code code) noexcept {
       return "not_finite";
     case Code::not_converged:
       return "not_converged";
-    case Code::limit_reached:
-      return "limit_reached";
+    case Code::fold:
+      return "fold";
     case Code::change_point_passed:
       return "change_point_passed";
     case Code::inaccurate:
@@ -47,8 +47,8 @@ std::string_view name(Code code) noexcept {
       return "deadline";
     case Code::interrupted:
       return "interrupted";
-    case Code::stop_reached:
-      return "stop_reached";
+    case Code::limit_reached:
+      return "limit_reached";
     case Code::limit_exceeded:
       return "limit_exceeded";
     case Code::within_limits:
@@ -71,7 +71,7 @@ std::string_view explanation(Code code) noexcept {
       return "a value is not finite";
     case Code::not_converged:
       return "Newton's method did not converge";
-    case Code::limit_reached:
+    case Code::fold:
       return "the mechanism cannot move further";
     case Code::change_point_passed:
       return "two branches cross; the smooth continuation was taken";
@@ -90,7 +90,7 @@ std::string_view explanation(Code code) noexcept {
       return "the step did not finish within its time limit";
     case Code::interrupted:
       return "interrupted";
-    case Code::stop_reached:
+    case Code::limit_reached:
       return "a limit of the scene ends the motion";
     case Code::limit_exceeded:
       return "the quantity leaves its limit";

@@ -30,7 +30,7 @@ std::string why_stopped(const Status& status, const std::vector<Event>& events, 
 std::string place_of(const Event& e) {
   if (e.group.empty()) return "";
   if (e.kind == Code::actuator_zero) return ", driver " + e.group;
-  if (e.kind == Code::stop_reached || e.kind == Code::limit_exceeded || e.kind == Code::within_limits) {
+  if (e.kind == Code::limit_reached || e.kind == Code::limit_exceeded || e.kind == Code::within_limits) {
     return ", limit of " + e.group;
   }
   if (e.kind != Code::inconsistent) return ", group " + e.group;

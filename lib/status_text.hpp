@@ -8,10 +8,10 @@
 
 namespace assur {
 
-// "the mechanism cannot move further (limit_reached)"
+// "the mechanism cannot move further (fold)"
 [[nodiscard]] std::string explained(Code code);
 
-// Reason and place where a run stopped: "t = 1.3 s, group C: the mechanism cannot move further (limit_reached)".
+// Reason and place where a run stopped: "t = 1.3 s, group C: the mechanism cannot move further (fold)".
 [[nodiscard]] std::string why_stopped(const Status& status, const std::vector<Event>& events, double reached);
 
 // "t = 1.5 s", or "t = 1.5 ... 1.6 s" for a bracket

@@ -30,7 +30,7 @@ check_order(${TUNER} measure output sweep pictures check tuning report commands 
 set(lib_layers version.hpp status.hpp status.cpp machine.hpp parallel backend.hpp strategy.hpp strategy.cpp backends
   report.hpp report.cpp status_text.hpp status_text.cpp number.hpp law.hpp scene.hpp scene joints builder files samples
   mjcf.hpp mjcf structure.hpp derivatives.hpp equations graph start structure evaluation program executors performance.hpp plan.hpp
-  saved_plan.hpp dispatch plan modes.hpp modes rows.hpp outputs drivers groups step_limits.hpp motion errors
+  saved_plan.hpp dispatch plan modes.hpp modes rows.hpp outputs drivers groups step_settings.hpp motion errors
   jacobian.hpp simulator.hpp motion_range.hpp simulation ensemble.hpp runs tables verification curve.hpp fleet.hpp fleet
   print.hpp print.cpp eigen.hpp assur.hpp assur.h c db)
 check_order(${INCLUDE} ${lib_layers})

@@ -39,7 +39,7 @@ enum assur_code {
   ASSUR_SINGULAR = 1,
   ASSUR_NOT_FINITE = 2,
   ASSUR_NOT_CONVERGED = 3,
-  ASSUR_LIMIT_REACHED = 4,
+  ASSUR_FOLD = 4,
   ASSUR_CHANGE_POINT_PASSED = 5,
   ASSUR_INACCURATE = 6, /* the time was reached, but the estimated error exceeds the required accuracy */
   ASSUR_BRANCH_UNKNOWN = 7,
@@ -48,7 +48,7 @@ enum assur_code {
   ASSUR_ACTUATOR_ZERO = 10,
   ASSUR_DEADLINE = 11,
   ASSUR_INTERRUPTED = 12,
-  ASSUR_STOP_REACHED = 13,
+  ASSUR_LIMIT_REACHED = 13,
   ASSUR_LIMIT_EXCEEDED = 14,
   ASSUR_WITHIN_LIMITS = 15,
   ASSUR_NOT_ASSEMBLED = 17,
@@ -81,7 +81,7 @@ typedef struct assur_status {
   double figure;  /* depends on the code: docs/accuracy.md; 0: none */
 } assur_status;
 
-/* Name ("limit_reached") and explanation of an outcome; "unknown" for other numbers. */
+/* Name ("fold") and explanation of an outcome; "unknown" for other numbers. */
 const char* assur_code_name(int32_t code);
 const char* assur_code_explanation(int32_t code);
 
@@ -116,9 +116,9 @@ int32_t assur_plan_time(const assur_plan* plan, double* start, double* end, doub
 typedef struct assur_simulator assur_simulator;
 typedef struct assur_state assur_state;
 
-/* Limits of one step: StepLimits in assur/simulator.hpp. Begin with ASSUR_LIMITS. */
-typedef struct assur_limits {
-  size_t size;             /* sizeof(assur_limits) */
+/* Settings of steps: StepSettings in assur/step_settings.hpp. Begin with ASSUR_STEP_SETTINGS. */
+typedef struct assur_step_settings {
+  size_t size;             /* sizeof(assur_step_settings) */
   int32_t iterations;      /* 0: until they converge */
   int32_t most_iterations; /* at least 1 */
   double seconds;          /* 0: no time limit */
@@ -126,12 +126,12 @@ typedef struct assur_limits {
   size_t pin_count;
   int32_t (*stop)(void* context); /* returns other than 0 to end a divided step; NULL: not called */
   void* stop_context;
-} assur_limits;
-#define ASSUR_LIMITS \
-  { sizeof(assur_limits), 0, 12, 0.0, NULL, 0, NULL, NULL }
+} assur_step_settings;
+#define ASSUR_STEP_SETTINGS \
+  { sizeof(assur_step_settings), 0, 12, 0.0, NULL, 0, NULL, NULL }
 
-/* A simulator at the start posture. limits: NULL for ASSUR_LIMITS. */
-int32_t assur_simulator_new(const assur_plan* plan, const assur_limits* limits, assur_simulator** simulator);
+/* A simulator at the start posture. settings: NULL for ASSUR_STEP_SETTINGS. */
+int32_t assur_simulator_new(const assur_plan* plan, const assur_step_settings* settings, assur_simulator** simulator);
 void assur_simulator_free(assur_simulator* simulator);
 
 /* Number, name (NULL beyond the number) and index of the outputs ("C.x") and of the controlled drivers. A control loop
@@ -221,7 +221,7 @@ const char* assur_simulator_fallback(const assur_simulator* simulator, size_t fa
 typedef struct assur_ensemble assur_ensemble;
 
 /* Members that are plans, all with the same outputs. */
-int32_t assur_ensemble_of_plans(const assur_plan* const* plans, size_t count, const assur_limits* limits,
+int32_t assur_ensemble_of_plans(const assur_plan* const* plans, size_t count, const assur_step_settings* settings,
                                 assur_ensemble** ensemble);
 void assur_ensemble_free(assur_ensemble* ensemble);
 
@@ -303,7 +303,7 @@ int32_t assur_prepare(const assur_scene* scene, const assur_options* options, as
 /* Members that are rows of a table: values[i * member_stride + k] is the value of names[k] in member i. */
 int32_t assur_ensemble_new(const assur_scene* scene, const char* const* names, size_t name_count, const double* values,
                            size_t members, size_t member_stride, const assur_options* options,
-                           const assur_limits* limits, assur_ensemble** ensemble);
+                           const assur_step_settings* settings, assur_ensemble** ensemble);
 /* Replaces the table; the number of members may change. */
 int32_t assur_ensemble_bind(assur_ensemble* ensemble, const double* values, size_t members, size_t member_stride);
 

@@ -15,15 +15,15 @@
 #include "assur/modes.hpp"         // IWYU pragma: export
 #include "assur/motion_range.hpp"  // IWYU pragma: export
 #include "assur/performance.hpp"
-#include "assur/plan.hpp"         // IWYU pragma: export
-#include "assur/print.hpp"        // IWYU pragma: export
-#include "assur/report.hpp"       // IWYU pragma: export
-#include "assur/rows.hpp"         // IWYU pragma: export
-#include "assur/saved_plan.hpp"   // IWYU pragma: export
-#include "assur/scene.hpp"        // IWYU pragma: export
-#include "assur/simulator.hpp"    // IWYU pragma: export
-#include "assur/status.hpp"       // IWYU pragma: export
-#include "assur/step_limits.hpp"  // IWYU pragma: export
-#include "assur/strategy.hpp"     // IWYU pragma: export
-#include "assur/structure.hpp"    // IWYU pragma: export
-#include "assur/version.hpp"      // IWYU pragma: export
+#include "assur/plan.hpp"           // IWYU pragma: export
+#include "assur/print.hpp"          // IWYU pragma: export
+#include "assur/report.hpp"         // IWYU pragma: export
+#include "assur/rows.hpp"           // IWYU pragma: export
+#include "assur/saved_plan.hpp"     // IWYU pragma: export
+#include "assur/scene.hpp"          // IWYU pragma: export
+#include "assur/simulator.hpp"      // IWYU pragma: export
+#include "assur/status.hpp"         // IWYU pragma: export
+#include "assur/step_settings.hpp"  // IWYU pragma: export
+#include "assur/strategy.hpp"       // IWYU pragma: export
+#include "assur/structure.hpp"      // IWYU pragma: export
+#include "assur/version.hpp"        // IWYU pragma: export

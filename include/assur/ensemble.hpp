@@ -122,7 +122,7 @@ class Ensemble {
   // with callbacks run alone as well, unless they are copies of one Prepared. A member whose outputs differ from those
   // of the first cannot take part. Throws Error: input for no members, for limits as in Simulator, and for a deadline
   // among them; environment if a backend of the plan cannot run here.
-  Ensemble(std::size_t members, const std::function<Prepared(std::size_t)>& member, StepLimits limits = {});
+  Ensemble(std::size_t members, const std::function<Prepared(std::size_t)>& member, StepSettings settings = {});
   // The members are rows of a table: `scene` with other values of its parameters and numbers, as by
   // Scene::with_values(). values[i * names.size() + k] is the value of names[k] in the i-th member. No scene is made
   // for a member: how its numbers follow from the values is recorded once and repeated in the lanes in which members
@@ -136,7 +136,7 @@ class Ensemble {
   // too, for another reason than its posture. Throws Error (input) also for an unknown or repeated name, and for values
   // that do not make whole rows. Needs the library assur::assur.
   Ensemble(const Scene& scene, std::vector<std::string> names, std::vector<double> values,
-           const PrepareOptions& options = {}, StepLimits limits = {});
+           const PrepareOptions& options = {}, StepSettings settings = {});
   Ensemble(Ensemble&&) noexcept;             // the other ensemble may then only be destroyed or assigned to
   Ensemble& operator=(Ensemble&&) noexcept;  // the other ensemble may then only be destroyed or assigned to
   ~Ensemble();
@@ -148,7 +148,7 @@ class Ensemble {
 
   // Runs all members over the time grid of prepared(). The results are bitwise identical for every number of
   // threads; the number of lanes may change their last bits (docs/strategies.md says when). The calling thread calls
-  // `observer` (rows done, rows in all; of all members), which may return false to stop. All threads of the plan call
+  // `observer` (rows done, rows in all; of all members), which may return true to stop. All threads of the plan call
   // laws and callbacks. Exceptions from them and from the observer propagate. Throws Error (environment) if there is no
   // memory for the results.
   EnsembleTrajectory run(const Simulator::Observer& observer = {});
@@ -196,7 +196,7 @@ class Ensemble {
   [[nodiscard]] const std::vector<Outcome>& outcomes() const;
 
  private:
-  explicit Ensemble(std::unique_ptr<BoundMembers> members, StepLimits limits);
+  explicit Ensemble(std::unique_ptr<BoundMembers> members, StepSettings settings);
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

@@ -81,7 +81,7 @@ struct Linkage {
 // The motion of one linkage of a fleet.
 struct LinkageMotion {
   // ok; inaccurate (the motion is complete, but its estimated error or its residual exceeds the accuracy asked for);
-  // limit_reached (a dyad or triad, also one that the traced joint does not need, cannot be closed beyond `reached`);
+  // fold (a dyad or triad, also one that the traced joint does not need, cannot be closed beyond `reached`);
   // branch_unknown (two postures of a dyad or triad come so close that the continuation is unknown, as in a flat
   // parallelogram, which a Simulator passes); singular or not_assembled (a dyad or triad is stretched or cannot be
   // closed at the first time); not_finite (a coordinate of the path or its error overflows).

@@ -13,7 +13,7 @@ namespace assur {
 // One end of a range. All values in this header are those of the driver's law, rad or m: for a relative driver and for
 // a coordinate of a joint they count from the posture as written.
 struct RangeEnd {
-  // limit_reached: a fold; stop_reached: a limit of the scene; ok: no end was found; any other: why the motion could
+  // fold: a fold; limit_reached: a limit of the scene; ok: no end was found; any other: why the motion could
   // not go on
   Code code = Code::ok;
   // The end lies between both. The mechanism reaches `reached`; if there is no end, both are the value that was asked

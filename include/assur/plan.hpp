@@ -94,6 +94,9 @@ struct Prepared {
   // StructureOptions. The plan stays: each class is solved as the one nearest in size was. Empty if the scene has no
   // redundant equations, or if load_plan() made this. Throws like prepare().
   std::function<Prepared(std::vector<double> posture, double time, std::vector<std::int32_t> checked)> reselect;
+  // For use inside the library: the same with other redundant equations, which simulators know from the start. See
+  // rehearse().
+  std::vector<std::shared_ptr<const Prepared>> other_sets = {};
   std::shared_ptr<StepCode> code = nullptr;  // for use inside the library; null: without machine code
 };
 

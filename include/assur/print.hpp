@@ -15,7 +15,7 @@
 namespace assur {
 
 // One line each, without a line break at its end.
-std::ostream& operator<<(std::ostream& out, Code code);                             // its name: "limit_reached"
+std::ostream& operator<<(std::ostream& out, Code code);                             // its name: "fold"
 std::ostream& operator<<(std::ostream& out, const Status& status);                  // code, place, figure, explanation
 std::ostream& operator<<(std::ostream& out, const Event& event);                    // when, what, and where
 std::ostream& operator<<(std::ostream& out, const Counters& counters);              // steps, iterations, factorisations

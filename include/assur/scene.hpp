@@ -368,7 +368,7 @@ struct Measure {
 };
 
 // A limit of a measure, or of a coordinate of a joint: the smallest and the largest value that it may have. A motion
-// that leaves the limit ends (Code::stop_reached), or goes on with an event (docs/joints.md#limits).
+// that leaves the limit ends (Code::limit_reached), or goes on with an event (docs/joints.md#limits).
 struct Limit {
   // What happens when a motion leaves the limit.
   enum class Reaction : std::uint8_t {

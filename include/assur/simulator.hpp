@@ -19,7 +19,7 @@
 #include "assur/plan.hpp"
 #include "assur/report.hpp"
 #include "assur/rows.hpp"
-#include "assur/step_limits.hpp"
+#include "assur/step_settings.hpp"
 
 namespace assur {
 
@@ -133,7 +133,7 @@ class Simulator {
   // Begins at the assembled start posture. Throws Error: environment if the plan cannot run here, input for a negative
   // limit or most_iterations = 0, numerical if no motion can start there: the posture has no velocities (it is
   // singular), or it is outside of a limit that ends motions.
-  explicit Simulator(Prepared prepared, StepLimits limits = {});
+  explicit Simulator(Prepared prepared, StepSettings settings = {});
   Simulator(Simulator&&) noexcept;             // the other simulator may then only be destroyed or assigned to
   Simulator& operator=(Simulator&&) noexcept;  // the other simulator may then only be destroyed or assigned to
   ~Simulator();
@@ -198,7 +198,7 @@ class Simulator {
   void retreat();
 
   // Called on the calling thread after each row of a run (with chunks less often) with the number of rows done and of
-  // all rows; returns false to stop the run, which then ends as `interrupted` if rows are left. It must not change the
+  // all rows; returns true to stop the run, which then ends as `interrupted` if rows are left. It must not change the
   // simulator.
   using Observer = std::function<bool(std::int64_t done, std::int64_t of)>;
   // Runs from the start posture over Prepared::time, the time grid of the scene unless the program changed it. Calls
@@ -272,12 +272,19 @@ class Simulator {
   std::size_t stream(const RowSelection& selection, const RowSink& sink, std::size_t count, const TimeOf& time_of,
                      const Observer& observer);
   [[nodiscard]] bool run_in_chunks(std::span<const double> times, const Observer& observer, Trajectory& out);
+  friend Prepared rehearse(Prepared prepared);
   friend std::vector<double> posture_of(const Simulator& simulator);  // for use inside the library
   friend Status step_of_run(Simulator& simulator, double t);          // the same: as step(t), but keeps all events
   friend void use_clock(Simulator& simulator, std::chrono::steady_clock::time_point (*clock)());  // for tests
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+// Runs a motion once, over its time grid, and keeps the sets of redundant equations that it chose: simulators of the
+// result change from one to another without analysing the scene again, which takes a step the time of about ten steps
+// instead of a hundred (docs/control.md). Does nothing without redundant equations. A run that fails is no error: its
+// sets are kept. Throws what laws and callbacks throw.
+[[nodiscard]] Prepared rehearse(Prepared prepared);
 
 // True errors of the outputs of a trajectory, each the largest over outputs and times.
 struct ForwardError {
@@ -305,6 +312,6 @@ struct ForwardError {
 // limits. Throws Error as the function above and as Simulator. Needs the library
 // assur::assur.
 [[nodiscard]] std::vector<Certificate> certify(const Prepared& prepared, const Trajectory& trajectory,
-                                               StepLimits limits = {});
+                                               StepSettings settings = {});
 
 }  // namespace assur

@@ -48,7 +48,7 @@ enum class Code : std::uint8_t {
   singular,             // a matrix without a usable pivot
   not_finite,           // NaN or infinity among the values
   not_converged,        // Newton did not reach the tolerance
-  limit_reached,        // a fold: the mechanism cannot move further; time is bracketed
+  fold,                 // a fold: the mechanism cannot move further; time is bracketed
   change_point_passed,  // two branches cross here; the smooth continuation was taken. An Event::kind, never a status
   inaccurate,           // accepted, but the estimated error exceeds the required accuracy
   branch_unknown,       // the library could not decide which branch continues the motion
@@ -56,15 +56,15 @@ enum class Code : std::uint8_t {
   out_of_range,         // a time lies outside the table of a law
   actuator_zero,        // a driver drives nothing: its distance is 0, or its axis is along a direction of its angle
   deadline,             // the time allowed for the step ran out
-  interrupted,          // the observer or StepLimits::stop asked to stop
-  stop_reached,         // a quantity has reached its limit, and the scene ends the motion there; time is bracketed
+  interrupted,          // the observer or StepSettings::stop asked to stop
+  limit_reached,        // a quantity has reached its limit, and the scene ends the motion there; time is bracketed
   limit_exceeded,       // a quantity has left its limit, and the motion goes on. An Event::kind, never a status
   within_limits,        // the quantity has returned into its limit. An Event::kind, never a status
   not_assembled = 17,   // the start posture cannot be assembled: of a member of an ensemble, or of a linkage
   near_singular,        // the motion passed close to a singular posture. An Event::kind, never a status
 };
 
-// Name of a code as in the command's JSON, e.g. "limit_reached".
+// Name of a code as in the command's JSON, e.g. "fold".
 [[nodiscard]] std::string_view name(Code code) noexcept;
 // The same for people, e.g. "the mechanism cannot move further".
 [[nodiscard]] std::string_view explanation(Code code) noexcept;

@@ -44,15 +44,15 @@ void check_strides(std::size_t members, std::size_t rows, std::size_t columns, s
 
 extern "C" {
 
-std::int32_t assur_ensemble_of_plans(const assur_plan* const* plans, std::size_t count, const assur_limits* limits,
-                                     assur_ensemble** ensemble) {
+std::int32_t assur_ensemble_of_plans(const assur_plan* const* plans, std::size_t count,
+                                     const assur_step_settings* settings, assur_ensemble** ensemble) {
   return call([&] {
     assur_ensemble*& out = checked(ensemble, "ensemble");
     c::check_extent("plans", count, 1);
     if (count > 0) (void)checked(plans, "plans");
     const auto member = [&](std::size_t i) { return checked(plans[i], "a plan").prepared; };
     for (std::size_t i = 0; i < count; ++i) (void)checked(plans[i], "a plan");  // no member of its own
-    out = new assur_ensemble{Ensemble(count, member, c::limits_of(limits))};
+    out = new assur_ensemble{Ensemble(count, member, c::settings_of(settings))};
     return ASSUR_OK;
   });
 }

@@ -70,9 +70,9 @@ std::vector<std::string> texts(const char* const* from, std::size_t count, const
   return out;
 }
 
-StepLimits limits_of(const assur_limits* limits) {
-  const assur_limits given = sized(limits, assur_limits ASSUR_LIMITS, "limits");
-  StepLimits out;
+StepSettings settings_of(const assur_step_settings* settings) {
+  const assur_step_settings given = sized(settings, assur_step_settings ASSUR_STEP_SETTINGS, "settings");
+  StepSettings out;
   out.iterations = given.iterations;
   out.most_iterations = given.most_iterations;
   out.seconds = given.seconds;

@@ -93,7 +93,7 @@ inline std::int32_t give(const Status& status, assur_status* to) noexcept {
   return code;
 }
 
-[[nodiscard]] StepLimits limits_of(const assur_limits* limits);
+[[nodiscard]] StepSettings settings_of(const assur_step_settings* settings);
 
 // Throws Error (input), which names `what`, if `count` items `stride` numbers apart exceed any memory.
 void check_extent(const char* what, std::size_t count, std::size_t stride);

@@ -106,13 +106,14 @@ std::int32_t assur_prepare(const assur_scene* scene, const assur_options* option
 
 std::int32_t assur_ensemble_new(const assur_scene* scene, const char* const* names, std::size_t name_count,
                                 const double* values, std::size_t members, std::size_t member_stride,
-                                const assur_options* options, const assur_limits* limits, assur_ensemble** ensemble) {
+                                const assur_options* options, const assur_step_settings* settings,
+                                assur_ensemble** ensemble) {
   return call([&] {
     assur_ensemble*& out = checked(ensemble, "ensemble");
-    out = new assur_ensemble{
-        Ensemble(checked(scene, "scene").scene, c::texts(names, name_count, "names"),
-                 c::table_of(values, members, member_stride, name_count), options_of(options), c::limits_of(limits)),
-        name_count};
+    out = new assur_ensemble{Ensemble(checked(scene, "scene").scene, c::texts(names, name_count, "names"),
+                                      c::table_of(values, members, member_stride, name_count), options_of(options),
+                                      c::settings_of(settings)),
+                             name_count};
     return ASSUR_OK;
   });
 }

@@ -21,13 +21,13 @@ const std::vector<std::string>& slopes_of(assur_simulator* handle) {
   return of.slopes;
 }
 
-// Runs with rows given to `sink`, which returns false to end the run.
+// Runs with rows given to `sink`, which returns true to end the run.
 template <class Sink>
 std::int32_t stream(Simulator& simulator, const double* times, std::size_t count, std::size_t every, const Sink& sink,
                     std::size_t* rows, assur_status* status) {
-  bool goes_on = true;
-  const RowSink take = [&](const MemberRows& block) { goes_on = goes_on && sink(block); };
-  const Simulator::Observer observe = [&](std::int64_t, std::int64_t) { return goes_on; };
+  bool ends = false;
+  const RowSink take = [&](const MemberRows& block) { ends = ends || sink(block); };
+  const Simulator::Observer observe = [&](std::int64_t, std::int64_t) { return ends; };
   RowSelection selection;
   selection.every = every;
   const std::size_t reached = times != nullptr ? simulator.stream(selection, take, std::span(times, count), observe)
@@ -40,10 +40,11 @@ std::int32_t stream(Simulator& simulator, const double* times, std::size_t count
 
 extern "C" {
 
-std::int32_t assur_simulator_new(const assur_plan* plan, const assur_limits* limits, assur_simulator** simulator) {
+std::int32_t assur_simulator_new(const assur_plan* plan, const assur_step_settings* settings,
+                                 assur_simulator** simulator) {
   return call([&] {
     assur_simulator*& out = checked(simulator, "simulator");
-    out = new assur_simulator(Simulator(checked(plan, "plan").prepared, c::limits_of(limits)));
+    out = new assur_simulator(Simulator(checked(plan, "plan").prepared, c::settings_of(settings)));
     return ASSUR_OK;
   });
 }
@@ -131,7 +132,7 @@ std::int32_t assur_simulator_run(assur_simulator* simulator, const double* times
       for (std::size_t k = 0; k < block.times.size(); ++k, to += row_stride) {
         std::copy_n(block.values.data() + k * columns, columns, to);
       }
-      return true;
+      return false;
     };
     return stream(of, at.data(), at.size(), 1, store, rows, status);
   });
@@ -145,7 +146,7 @@ std::int32_t assur_simulator_stream(assur_simulator* simulator, const double* ti
     if (sink == nullptr) c::refuse_null("sink");
     if (times != nullptr) c::check_extent("times", count, 1);
     const auto pass = [&](const MemberRows& block) {
-      return sink(context, block.times.data(), block.values.data(), block.times.size()) == 0;
+      return sink(context, block.times.data(), block.values.data(), block.times.size()) != 0;
     };
     return stream(of, times, count, every, pass, rows, status);
   });

@@ -105,10 +105,10 @@ bool LinkageRun::pass_interval(std::size_t level, unsigned i) {
   const bool ends = i == outer.figures.closed;
   if (level + 1 > kDeepest || !(from < to)) {
     if (const std::int32_t triad = folded_triad(outer, i); triad >= 0) {
-      end(Code::limit_reached, from, to, triad);
+      end(Code::fold, from, to, triad);
       return false;
     }
-    end(ends ? Code::limit_reached : Code::branch_unknown, from, to, ends ? outer.figures.joint : -1);
+    end(ends ? Code::fold : Code::branch_unknown, from, to, ends ? outer.figures.joint : -1);
     return false;
   }
   if (ends && level >= kSmooth && !linkage_->has_triads()) {
@@ -171,7 +171,7 @@ void LinkageRun::follow_to_limit(std::size_t level, unsigned i) {
   const double curvature = std::abs(at(outer, kTimes + i).rate - at(outer, JointBlock::kBefore + i).rate) / whole;
   const double excess = rate * rate / (2 * curvature);
   const bool touches = excess <= kTouches * linkage_->joints()[static_cast<std::size_t>(joint)].most;
-  end(touches ? Code::branch_unknown : Code::limit_reached, from, to, joint);
+  end(touches ? Code::branch_unknown : Code::fold, from, to, joint);
 }
 
 // Where two postures of a triad meet and end, its rates grow beyond all bounds; where two motions cross, they do not.

@@ -199,7 +199,7 @@ void nearest_singularity(Workspace& work, const BlockConditions& blocks, const P
       for (Eigen::Index i = 0; i < n; ++i)
         g[i] = work.rhs[idx(blocks.equations(b)[static_cast<std::size_t>(i)]) * w + idx(lane)];
       const double velocity = std::abs(values.along_smallest(g)) / values.smallest;
-      worst.code = velocity > kFold * input_rate(idx(lane)) ? Code::limit_reached : Code::change_point_passed;
+      worst.code = velocity > kFold * input_rate(idx(lane)) ? Code::fold : Code::change_point_passed;
     }
   }
   if (into.block < 0) return;

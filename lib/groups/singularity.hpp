@@ -13,7 +13,7 @@ namespace assur {
 
 // The diagnosis.
 struct Singularity {
-  Status status;            // limit_reached: the rates grow as they do towards a fold (no proof of a fold);
+  Status status;            // fold: the rates grow as they do towards a fold (no proof of a fold);
                             // change_point_passed: they do not grow, passing may be tried; else branch_unknown
   std::int32_t block = -1;  // -1: no block was examined
   int lane = 0;

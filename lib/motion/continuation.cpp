@@ -44,9 +44,9 @@ std::string start_beside(const System& system, double time) {
 
 }  // namespace
 
-Continuation::Continuation(const Prepared& prepared, const StepLimits& limits, Report& report, EventLog& events)
+Continuation::Continuation(const Prepared& prepared, const StepSettings& settings, Report& report, EventLog& events)
     : prepared_(prepared),
-      limits_(limits),
+      settings_(settings),
       report_(report),
       events_(events),
       structure_(*prepared.structure),
@@ -54,7 +54,7 @@ Continuation::Continuation(const Prepared& prepared, const StepLimits& limits, R
       inputs_(system_, prepared.controlled),
       layout_(lay_out(prepared)),
       packs_(layout_.packs),
-      levels_(prepared, layout_, limits.pin_to),
+      levels_(prepared, layout_, settings.pin_to),
       mechanism_(structure_, layout_),
       angles_together_(angles_together(system_, structure_)) {
   if (prepared.plan.run.together && !packs_.empty())
@@ -299,7 +299,7 @@ Status Continuation::solve_all(double t, Attempt::Branch branch, StepErrors& err
   if (!solved.ok()) return solved;
   if (const Status s = check_levers(Mechanism::Levers::unknown, seconds); !s.ok()) return s;
   if (mechanism_.watches()) {
-    const bool may_correct = limits_.iterations == 0 && branch != Attempt::Branch::anywhere;
+    const bool may_correct = settings_.iterations == 0 && branch != Attempt::Branch::anywhere;
     std::size_t one = 0;
     const Status s = check_watched(
         {&mechanism_, 1}, state_.at(0), converged, may_correct, [&] { return solve_packs(t, branch, 0, errors); },
@@ -363,7 +363,7 @@ Attempt Continuation::usual_attempt(double t, Attempt::Branch branch, double con
   Attempt usual;
   usual.branch = branch;
   usual.number = attempts_;
-  usual.most_iterations = limits_.most_iterations;
+  usual.most_iterations = settings_.most_iterations;
   usual.converged = converged;
   usual.time = t;
   usual.all_rates = expands_;
@@ -373,7 +373,7 @@ Attempt Continuation::usual_attempt(double t, Attempt::Branch branch, double con
 
 // True if all groups are solved by the same rules.
 bool Continuation::is_usual(Attempt::Branch branch) const {
-  return branch == Attempt::Branch::inside && limits_.iterations == 0 && !expands_ && std::isnan(limit_at_) &&
+  return branch == Attempt::Branch::inside && settings_.iterations == 0 && !expands_ && std::isnan(limit_at_) &&
          std::all_of(passing_.begin(), passing_.end(), [](std::uint8_t passes) { return passes == 0; });
 }
 
@@ -383,7 +383,7 @@ Status Continuation::solve_packs(double t, Attempt::Branch branch, double conver
   const bool inside = branch == Attempt::Branch::inside;
   const auto attempt = [&](std::size_t p) {
     Attempt a = usual;
-    if (inside && packs_[p].level > 0) a.iterations = limits_.iterations;
+    if (inside && packs_[p].level > 0) a.iterations = settings_.iterations;
     const bool has_limit = layout_.limits[p].exists();
     if (inside && has_limit && t == limit_at_) {
       a.branch = Attempt::Branch::limit;
@@ -406,7 +406,7 @@ Status Continuation::solve_packs(double t, Attempt::Branch branch, double conver
       q, branch == Attempt::Branch::start, attempt, [&] { return deadline_passed(); }, report_.counters, errors,
       failed_pack_);
   forget_guards();
-  if (s.code == Code::deadline) s.figure = limits_.seconds;
+  if (s.code == Code::deadline) s.figure = settings_.seconds;
   return s;
 }
 
@@ -464,7 +464,7 @@ void Continuation::accept(double t, const StepErrors& errors) {
 void Continuation::set_deadline() {
   constexpr double kLongestTime = 1e9;  // 30 years; the clock counts nanoseconds up to 300
   deadline_ = clock_() + std::chrono::duration_cast<std::chrono::steady_clock::duration>(
-                             std::chrono::duration<double>(std::min(limits_.seconds, kLongestTime)));
+                             std::chrono::duration<double>(std::min(settings_.seconds, kLongestTime)));
 }
 
 // ---- one step
@@ -507,7 +507,7 @@ Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
   NearPass near;
   int in_a_row = 0;  // attempts that were rejected; from kExpandAfter on the count is kept
   for (bool is_first = true; now_ != t; is_first = false) {
-    if (!is_first && limits_.stop && limits_.stop()) return {Code::interrupted, {}, now_};
+    if (!is_first && settings_.stop && settings_.stop()) return {Code::interrupted, {}, now_};
     const double before = now_;
     const double h = std::copysign(std::min(stride.length, std::abs(span)), span);
     const double target = std::abs(t - now_) <= std::abs(h) * 1.0000001 ? t : now_ + h;
@@ -532,7 +532,7 @@ Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
     }
     if (!divided_) near.begin(bend());
     tell_before_dividing();
-    if (s.code == Code::stop_reached) return s;
+    if (s.code == Code::limit_reached) return s;
     if (turned_ > 1) {
       stride.set(std::max(std::abs(target - now_) / std::ceil(turned_), shortest_));
       continue;
@@ -604,7 +604,7 @@ void Continuation::end_step(bool arrived) {
 }
 
 bool Continuation::polish(double converged) {
-  if (converged == 0 && limits_.iterations > 0) return false;
+  if (converged == 0 && settings_.iterations > 0) return false;
   converged_ = converged;
   state_.restore();
   StepErrors errors;
@@ -679,7 +679,7 @@ Status Continuation::try_step(double target, Attempt::Branch branch) {
   if (s.ok() && mechanism_.limits() != nullptr) s = check_limits(target, errors);
   if (s.ok()) {
     accept(target, errors);
-  } else if (turned_ <= 1 && s.code != Code::stop_reached) {
+  } else if (turned_ <= 1 && s.code != Code::limit_reached) {
     ++rejected_;
   }
   return s;

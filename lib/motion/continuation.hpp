@@ -14,7 +14,7 @@
 
 #include "assur/plan.hpp"
 #include "assur/report.hpp"
-#include "assur/step_limits.hpp"
+#include "assur/step_settings.hpp"
 #include "drivers/inputs.hpp"
 #include "motion/approach.hpp"
 #include "motion/bows.hpp"
@@ -36,7 +36,7 @@ class Continuation {
  public:
   // All arguments must outlive it. It adds counters and errors to the report.
   // Throws Error (environment) if a backend of the plan cannot run here.
-  Continuation(const Prepared& prepared, const StepLimits& limits, Report& report, EventLog& events);
+  Continuation(const Prepared& prepared, const StepSettings& settings, Report& report, EventLog& events);
 
   // Signed angles that follow the postures from start() on; must outlive the continuation.
   void follow(AngleTurns& turns) { mechanism_.follow(turns); }
@@ -85,9 +85,9 @@ class Continuation {
   void rest();
 
   using Clock = std::chrono::steady_clock::time_point (*)();
-  // Begins a call, whose work shares one deadline (StepLimits::seconds).
+  // Begins a call, whose work shares one deadline (StepSettings::seconds).
   void start_clock() {
-    if (limits_.seconds > 0) set_deadline();
+    if (settings_.seconds > 0) set_deadline();
   }
   void use_clock(Clock clock) { clock_ = clock; }
   // Continues the call of another continuation.
@@ -98,10 +98,10 @@ class Continuation {
   [[nodiscard]] std::chrono::steady_clock::time_point now() const { return clock_(); }
   // False if work that takes so long would not end before the deadline.
   [[nodiscard]] bool has_time_for(std::chrono::steady_clock::duration work) const {
-    return limits_.seconds <= 0 || work < deadline_ - clock_();
+    return settings_.seconds <= 0 || work < deadline_ - clock_();
   }
-  [[nodiscard]] bool deadline_passed() const { return limits_.seconds > 0 && clock_() > deadline_; }
-  [[nodiscard]] Status late() const { return {Code::deadline, {}, limits_.seconds}; }
+  [[nodiscard]] bool deadline_passed() const { return settings_.seconds > 0 && clock_() > deadline_; }
+  [[nodiscard]] Status late() const { return {Code::deadline, {}, settings_.seconds}; }
 
   // Later events may join earlier ones from this position on.
   [[nodiscard]] std::int64_t events_joined_from() const { return joined_from_; }
@@ -216,7 +216,7 @@ class Continuation {
   void record(Noticed event, double step);
 
   const Prepared& prepared_;
-  const StepLimits& limits_;
+  const StepSettings& settings_;
   Report& report_;
   EventLog& events_;
   const Structure& structure_;

@@ -79,13 +79,13 @@ Status Continuation::at_the_limit(const Status& failed, double target, double t,
   Status found = here_.status;
   const double least = std::max(first * (kLeast / kSmallestStep), kResolved * std::max(std::abs(now_), std::abs(t)));
   const bool shorter = kShorter * shortest_ >= least;
-  if (found.code == Code::limit_reached && !turns_back() && (shorter || !falls_to_zero(approach_, here_))) {
+  if (found.code == Code::fold && !turns_back() && (shorter || !falls_to_zero(approach_, here_))) {
     found.code = Code::branch_unknown;
   }
   // Close to a change point, rounding would choose one of the branches.
   const bool clear = found.code != Code::change_point_passed || (found.figure > kClear && shorter);
   if (!clear && is_avoided(target - now_, first)) found.code = Code::branch_unknown;
-  if (found.code != Code::limit_reached && (clear || found.code == Code::branch_unknown) && shorter) {
+  if (found.code != Code::fold && (clear || found.code == Code::branch_unknown) && shorter) {
     shortest_ *= kShorter;
     any_turn_ = false;
     return {};
@@ -99,7 +99,7 @@ Status Continuation::at_the_limit(const Status& failed, double target, double t,
   const bool passed = found.code == Code::change_point_passed;
   double from = passed ? last_before_pass_ : now_, until = passed ? now_ : target;
   if (passed && on_change_point() && std::abs(beyond_ - from) > std::abs(until - from)) until = beyond_;
-  if (found.code == Code::limit_reached) std::tie(from, until) = fold_between(target, t);
+  if (found.code == Code::fold) std::tie(from, until) = fold_between(target, t);
   any_turn_ = false;
   record({from, until, only_group(found.where.is(Place::Kind::group) ? found.where : failed.where), found.code,
           found.figure},
@@ -207,7 +207,7 @@ std::pair<double, double> Continuation::fold_between(double target, double t) {
   if (deadline_passed()) until = t;
   const double rounding =
       std::max(kResolved * std::max(std::abs(now_), std::abs(until)), kManyRoundings * state_.time_of_rounding());
-  while (ends && limits_.iterations == 0 && std::abs(until - from) > rounding) {
+  while (ends && settings_.iterations == 0 && std::abs(until - from) > rounding) {
     const double middle = from + (until - from) / 2;
     const bool solved = is_solved(middle);
     if (deadline_passed()) break;

@@ -82,7 +82,7 @@ class LimitWatch {
   [[nodiscard]] bool ends(const Change& change) const { return change.leaves && system_.bounds[change.bound].ends; }
   // The status of a motion that ends at this change.
   [[nodiscard]] Status status(const Change& change) const {
-    return {Code::stop_reached, Place::limit(limits_[change.bound]), system_.bounds[change.bound].value};
+    return {Code::limit_reached, Place::limit(limits_[change.bound]), system_.bounds[change.bound].value};
   }
   // After may_change(): accepts that posture.
   void accept();
@@ -106,7 +106,7 @@ class LimitWatch {
   }
 
   [[nodiscard]] Code kind(const Change& change) const {
-    return ends(change) ? Code::stop_reached : change.leaves ? Code::limit_exceeded : Code::within_limits;
+    return ends(change) ? Code::limit_reached : change.leaves ? Code::limit_exceeded : Code::within_limits;
   }
   [[nodiscard]] Event event(const Change& change) const;
   // "A.angle is 1.5 rad, above its largest allowed value 1.2 rad": describes a violated bound.

@@ -46,7 +46,7 @@ std::string text(Need need) {
     case Need::targets:
       return "the program sets drivers";
     case Need::deadline:
-      return "StepLimits::seconds limits single steps";
+      return "StepSettings::seconds limits single steps";
   }
   return "";
 }

@@ -94,9 +94,9 @@ void follow(const LaneRun& before, LaneRun& run, const OutputProgram& outputs, s
 
 }  // namespace
 
-std::string no_chunks(const Structure& structure, const StepLimits& limits, std::span<const double> times) {
+std::string no_chunks(const Structure& structure, const StepSettings& settings, std::span<const double> times) {
   Needs needs = needs_of(structure);
-  needs.add(needs_of(limits));
+  needs.add(needs_of(settings));
   if (std::string reason = why_not(Path::chunks, needs); !reason.empty()) return reason;
   return evenly_spaced(times) ? "" : "the steps are not equally long";
 }
@@ -113,11 +113,11 @@ ChunkGrid chunk_grid(std::size_t rows, std::size_t chunks) {
   return grid;
 }
 
-ChunkedRun run_in_chunks(const Prepared& prepared, const StepLimits& limits, std::span<const double> times,
+ChunkedRun run_in_chunks(const Prepared& prepared, const StepSettings& settings, std::span<const double> times,
                          const ChunkGrid& grid, std::vector<Variant> starts, const Simulator::Observer& observer) {
   const std::size_t chunks = grid.first.size();
-  Team team(threads_for(prepared.plan, chunks), limits.pin_to);
-  Tiles tiles(prepared, limits, chunks, team.size());
+  Team team(threads_for(prepared.plan, chunks), settings.pin_to);
+  Tiles tiles(prepared, settings, chunks, team.size());
   const std::size_t columns = tiles.first().columns().size();
   ChunkedRun out;
   out.values.resize(times.size() * columns);
@@ -134,7 +134,7 @@ ChunkedRun run_in_chunks(const Prepared& prepared, const StepLimits& limits, std
       [&](int rank, std::size_t tile, const auto& proceed) { tiles.run(rank, runs, tile, proceed); }, progress);
   mark_not_begun(runs);
 
-  const auto proceed = [&] { return !observer || observer(rows, rows); };
+  const auto proceed = [&] { return !observer || !observer(rows, rows); };
   Status doubt;  // the first one
   ErrorFigures error;
   for (std::size_t c = 0; c < chunks; ++c) {

@@ -38,9 +38,9 @@ struct Ensemble::Impl {
     std::unique_ptr<Tiles> tiles;
   };
 
-  Impl(std::size_t count, const std::function<Prepared(std::size_t)>& member, StepLimits step_limits)
-      : limits(step_limits), cannot(count) {
-    refuse_wrong_limits();
+  Impl(std::size_t count, const std::function<Prepared(std::size_t)>& member, StepSettings step_settings)
+      : settings(step_settings), cannot(count) {
+    refuse_wrong_settings();
     std::exception_ptr first_error;
     for (std::size_t i = 0; i < count; ++i) {
       try {
@@ -56,17 +56,17 @@ struct Ensemble::Impl {
     make_tiles(classes.begin() + 1);
   }
 
-  Impl(std::unique_ptr<BoundMembers> of_table, StepLimits step_limits)
-      : limits(step_limits), bound(std::move(of_table)) {
-    refuse_wrong_limits();
+  Impl(std::unique_ptr<BoundMembers> of_table, StepSettings step_settings)
+      : settings(step_settings), bound(std::move(of_table)) {
+    refuse_wrong_settings();
     columns = bound->columns();
     time = bound->time();
     meet_bound(true);
   }
 
-  void refuse_wrong_limits() const {
-    check_limits(limits);
-    const std::string reason = why_not(Path::ensemble, needs_of(limits));
+  void refuse_wrong_settings() const {
+    check_settings(settings);
+    const std::string reason = why_not(Path::ensemble, needs_of(settings));
     if (!reason.empty()) {
       throw Error(Error::Kind::input, reason + ", which an ensemble does not support; set it to 0");
     }
@@ -92,14 +92,14 @@ struct Ensemble::Impl {
   Team& team_for(std::size_t pieces) {
     const std::size_t most = prepared ? idx(prepared->plan.run.threads) : 1;
     const auto size = static_cast<int>(std::clamp<std::size_t>(pieces, 1, most));
-    if (!team || team->size() < size) team = std::make_unique<Team>(size, limits.pin_to);
+    if (!team || team->size() < size) team = std::make_unique<Team>(size, settings.pin_to);
     return *team;
   }
 
   // Workers for all threads that the team may ever have.
   [[nodiscard]] std::unique_ptr<Tiles> make_tiles(const Prepared& of, std::size_t members,
                                                   const BoundMembers* table = nullptr) const {
-    return std::make_unique<Tiles>(of, limits, members, prepared->plan.run.threads, table);
+    return std::make_unique<Tiles>(of, settings, members, prepared->plan.run.threads, table);
   }
 
   // A structure that only one member has is not worth a tile; classes before `first` get one nevertheless.
@@ -330,7 +330,7 @@ struct Ensemble::Impl {
     outcome.alone_from = results.times[0];
     std::optional<Simulator> simulator;
     try {
-      simulator.emplace(std::move(p), limits);
+      simulator.emplace(std::move(p), settings);
     } catch (const Error& e) {
       if (e.kind() != Error::Kind::numerical) throw;
       outcome.cannot = e.what();
@@ -338,7 +338,7 @@ struct Ensemble::Impl {
       return;
     }
     const Trajectory t = simulator->run(
-        results.times, [&](std::int64_t done, std::int64_t) { return proceed(static_cast<std::size_t>(done)); });
+        results.times, [&](std::int64_t done, std::int64_t) { return !proceed(static_cast<std::size_t>(done)); });
     if (run.taker == nullptr) {
       std::copy(t.values().begin(), t.values().end(), results.values_of(run.member));
     } else {
@@ -401,7 +401,7 @@ struct Ensemble::Impl {
     }
   }
 
-  StepLimits limits;
+  StepSettings settings;
   std::unique_ptr<BoundMembers> bound;     // null: the members were prepared
   std::unique_ptr<Tiles> bound_tiles;      // null: no member is bound
   std::unique_ptr<Team> team;              // threads of the plan, as many as were needed so far
@@ -416,10 +416,10 @@ struct Ensemble::Impl {
   std::vector<Outcome> outcomes;
 };
 
-Ensemble::Ensemble(std::size_t members, const std::function<Prepared(std::size_t)>& member, StepLimits limits)
-    : impl_(std::make_unique<Impl>(members, member, limits)) {}
-Ensemble::Ensemble(std::unique_ptr<BoundMembers> members, StepLimits limits)
-    : impl_(std::make_unique<Impl>(std::move(members), limits)) {}
+Ensemble::Ensemble(std::size_t members, const std::function<Prepared(std::size_t)>& member, StepSettings settings)
+    : impl_(std::make_unique<Impl>(members, member, settings)) {}
+Ensemble::Ensemble(std::unique_ptr<BoundMembers> members, StepSettings settings)
+    : impl_(std::make_unique<Impl>(std::move(members), settings)) {}
 Ensemble::Ensemble(Ensemble&&) noexcept = default;
 Ensemble& Ensemble::operator=(Ensemble&&) noexcept = default;
 Ensemble::~Ensemble() = default;

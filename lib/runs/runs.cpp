@@ -58,13 +58,13 @@ Trajectory Simulator::run(std::span<const double> times, const Observer& observe
 template <class TimeOf, class Take>
 std::size_t Simulator::each_row(std::size_t count, const TimeOf& time_of, const Observer& observer, const Take& take) {
   std::optional<Pinned> here;  // once, not at every step
-  if (!impl_->limits.pin_to.empty() && impl_->motion.levels().threads() > 1) here.emplace(impl_->limits.pin_to[0]);
+  if (!impl_->settings.pin_to.empty() && impl_->motion.levels().threads() > 1) here.emplace(impl_->settings.pin_to[0]);
   for (std::size_t done = 0; done < count;) {
     const double t = time_of(done);
     if (!step_of_run(*this, t).arrived()) return done;
     take(t);
     ++done;
-    if (observer && !observer(static_cast<std::int64_t>(done), static_cast<std::int64_t>(count)) && done < count) {
+    if (observer && observer(static_cast<std::int64_t>(done), static_cast<std::int64_t>(count)) && done < count) {
       impl_->report.status = {Code::interrupted, {}, t};
       return done;
     }
@@ -106,7 +106,7 @@ bool Simulator::run_in_chunks(std::span<const double> times, const Observer& obs
     impl_->report.fallbacks.push_back("no chunks: " + why);
     return false;
   };
-  if (const std::string why = no_chunks(*impl_->prepared.structure, impl_->limits, times); !why.empty()) {
+  if (const std::string why = no_chunks(*impl_->prepared.structure, impl_->settings, times); !why.empty()) {
     return refuse(why);
   }
   const ChunkGrid grid = chunk_grid(times.size(), idx(impl_->prepared.plan.run.chunks));
@@ -138,7 +138,7 @@ bool Simulator::run_in_chunks(std::span<const double> times, const Observer& obs
   }
   Counters counters = impl_->report.counters;
   counters.steps = 0;  // steps between the starts do not belong to the grid
-  ChunkedRun run = assur::run_in_chunks(impl_->prepared, impl_->limits, times, grid, std::move(starts), observer);
+  ChunkedRun run = assur::run_in_chunks(impl_->prepared, impl_->settings, times, grid, std::move(starts), observer);
   if (run.rows == 0) return refuse("the first chunk could not be started");
   try {
     impl_->start(run.reached, run.posture);

@@ -40,8 +40,8 @@ void stop(LaneRun& run, const std::vector<double>& posture) {
 
 }  // namespace
 
-SideBySide::SideBySide(const Prepared& prepared, const StepLimits& limits, const BoundMembers* members)
-    : prepared_(prepared), limits_(limits), tile_(prepared, limits) {
+SideBySide::SideBySide(const Prepared& prepared, const StepSettings& settings, const BoundMembers* members)
+    : prepared_(prepared), settings_(settings), tile_(prepared, settings) {
   if (members == nullptr) return;
   binder_ = members->binder(static_cast<std::size_t>(tile_.lanes()));
   const Structure& first = *prepared.structure;
@@ -339,7 +339,7 @@ std::optional<Simulator> SideBySide::simulator_of(LaneRun& lane, Variant at) con
   prepared.reselect = at.reselect;
   prepared.plan.run.chunks = prepared.plan.run.threads = 1;
   try {
-    return Simulator(std::move(prepared), limits_);
+    return Simulator(std::move(prepared), settings_);
   } catch (const Error& e) {
     if (e.kind() != Error::Kind::numerical) throw;
     lane.alone = true;

@@ -63,7 +63,7 @@ class SideBySide {
  public:
   // members: null, or those that run() binds instead of taking LaneRun::variant. Throws Error (environment) if a
   // backend of the plan cannot run here.
-  SideBySide(const Prepared& prepared, const StepLimits& limits, const BoundMembers* members = nullptr);
+  SideBySide(const Prepared& prepared, const StepSettings& settings, const BoundMembers* members = nullptr);
 
   [[nodiscard]] int lanes() const { return tile_.lanes(); }
   [[nodiscard]] const std::vector<std::string>& columns() const { return tile_.columns(); }
@@ -97,7 +97,7 @@ class SideBySide {
   void give_row(LaneRun& run, std::size_t row) const;
 
   Prepared prepared_;
-  StepLimits limits_;
+  StepSettings settings_;
   Tile tile_;
   std::unique_ptr<MemberBinder> binder_;  // null: the variants are given
   Totals of_those_alone_;

@@ -23,9 +23,9 @@ Status in_lane(const Status& of_group) {
 
 }  // namespace
 
-Tile::Tile(const Prepared& prepared, const StepLimits& limits)
+Tile::Tile(const Prepared& prepared, const StepSettings& settings)
     : structure_(prepared.structure),
-      limits_(limits),
+      settings_(settings),
       lanes_(prepared.plan.lanes),
       code_(prepared.code),
       layout_(lay_out_side_by_side(prepared, lanes_)),
@@ -262,7 +262,7 @@ Status Tile::step(std::span<const double> times) {
 void Tile::predict(std::span<const double> times) {
   state_.begin_prediction(times[0], prediction_);
   const bool is_whole = whole_ != nullptr && (whole_ == apart_.get() || drives_at_once(times));
-  is_predicted_ = !is_whole || limits_.iterations > 0 || times[0] == now_[0];
+  is_predicted_ = !is_whole || settings_.iterations > 0 || times[0] == now_[0];
   if (is_predicted_) combine();
 }
 
@@ -371,7 +371,7 @@ void Tile::measure_bows(std::span<const double> times) {
 }
 
 bool Tile::polish() {
-  if (limits_.iterations > 0 || converged_ == estimate_.best()) return false;
+  if (settings_.iterations > 0 || converged_ == estimate_.best()) return false;
   converged_ = estimate_.best();
   state_.restore();
   if (!solve(now_, Attempt::Branch::inside).ok()) {
@@ -393,7 +393,7 @@ Attempt Tile::usual_attempt(double time, Attempt::Branch branch, double converge
   usual.converged = converged;
   usual.number = attempts_;
   usual.time = time;
-  usual.most_iterations = limits_.most_iterations;
+  usual.most_iterations = settings_.most_iterations;
   usual.makes_code = true;
   return usual;
 }
@@ -403,7 +403,7 @@ Status Tile::solve_packs(std::span<const double> times, Attempt::Branch branch, 
   const bool moves = times[0] != now_[0];
   Attempt attempt = usual_attempt(times[0], branch, converged);
   for (Pack& pack : std::span(layout_.packs).subspan(moves ? at_rest_ : 0)) {
-    attempt.iterations = pack.level > 0 && branch == Attempt::Branch::inside ? limits_.iterations : 0;
+    attempt.iterations = pack.level > 0 && branch == Attempt::Branch::inside ? settings_.iterations : 0;
     GroupSolver& solver = *layout_.solvers[idx(pack.group_class)];
     if (const Status s = solver.solve(pack, q, attempt, counters_, errors); !s.ok()) return in_lane(s);
   }
@@ -452,7 +452,8 @@ Status Tile::check_redundant(std::span<const double> times, Attempt::Branch bran
   std::size_t worst = 0;
   bool is_solved = true;
   Status s = check_watched(
-      mechanisms(), state_.at(0), branch == Attempt::Branch::inside ? converged_ : kConverged, limits_.iterations == 0,
+      mechanisms(), state_.at(0), branch == Attempt::Branch::inside ? converged_ : kConverged,
+      settings_.iterations == 0,
       [&] {
         const Status corrected = solve_packs(times, branch, 0, errors);
         is_solved = corrected.ok();
@@ -507,7 +508,7 @@ Status Tile::begin_limits() {
     for (const LimitWatch::Change& outside : mechanisms_[lane].begin_limits(
              {state_.at(0) + lane, state_.at(1) + lane, state_.at(2) + lane}, now_[lane], variants_[lane]->limited)) {
       const LimitWatch& limits = *mechanisms_[lane].limits();
-      if (limits.ends(outside)) return {Code::stop_reached, Place::lane(static_cast<std::int32_t>(lane)), 0};
+      if (limits.ends(outside)) return {Code::limit_reached, Place::lane(static_cast<std::int32_t>(lane)), 0};
       limit_events_[lane].push_back(limits.event(outside));
     }
   }
@@ -547,7 +548,7 @@ Status Tile::check_limits(std::span<const double> times) {
     });
     for (const LimitWatch::Change& c : changes) {
       if (mechanisms_[lane].limits()->ends(c))
-        return {Code::stop_reached, Place::lane(static_cast<std::int32_t>(lane)), 0};
+        return {Code::limit_reached, Place::lane(static_cast<std::int32_t>(lane)), 0};
       found[lane].push_back(mechanisms_[lane].limits()->event(c));
     }
   }

@@ -46,7 +46,7 @@ struct Variant {
 class Tile {
  public:
   // Throws Error (environment) if a backend of the plan cannot run here.
-  Tile(const Prepared& prepared, const StepLimits& limits);
+  Tile(const Prepared& prepared, const StepSettings& settings);
   Tile(const Tile&) = delete;
   Tile& operator=(const Tile&) = delete;
 
@@ -141,7 +141,7 @@ class Tile {
   [[nodiscard]] std::span<Mechanism> mechanisms() { return std::span(mechanisms_).first(variants_.size()); }
 
   std::shared_ptr<const Structure> structure_;
-  StepLimits limits_;
+  StepSettings settings_;
   int lanes_;
   std::shared_ptr<StepCode> code_;  // null: there is none
   Layout layout_;

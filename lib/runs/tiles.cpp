@@ -28,10 +28,11 @@ void mark_not_begun(std::span<LaneRun> runs) {
   }
 }
 
-Tiles::Tiles(Prepared prepared, const StepLimits& limits, std::size_t runs, int threads, const BoundMembers* members)
-    : prepared_(std::move(prepared)), limits_(limits), members_(members), workers_(idx(threads)) {
+Tiles::Tiles(Prepared prepared, const StepSettings& settings, std::size_t runs, int threads,
+             const BoundMembers* members)
+    : prepared_(std::move(prepared)), settings_(settings), members_(members), workers_(idx(threads)) {
   prepared_.plan.lanes = static_cast<std::int32_t>(lanes_for(prepared_.plan, runs));
-  workers_[0] = std::make_unique<SideBySide>(prepared_, limits_, members_);
+  workers_[0] = std::make_unique<SideBySide>(prepared_, settings_, members_);
 }
 
 std::size_t Tiles::tiles(std::size_t runs) const {
@@ -42,7 +43,7 @@ std::size_t Tiles::tiles(std::size_t runs) const {
 void Tiles::run(int rank, std::span<LaneRun> runs, std::size_t tile,
                 const std::function<bool(std::size_t rows)>& proceed) {
   std::unique_ptr<SideBySide>& worker = workers_[idx(rank)];
-  if (!worker) worker = std::make_unique<SideBySide>(prepared_, limits_, members_);
+  if (!worker) worker = std::make_unique<SideBySide>(prepared_, settings_, members_);
   const std::size_t lanes = idx(prepared_.plan.lanes), begin = tile * lanes;
   std::vector<LaneRun*> together;
   for (LaneRun& run : runs.subspan(begin, std::min(lanes, runs.size() - begin))) {

@@ -22,7 +22,7 @@ class Tiles {
  public:
   // runs: largest number of runs in one call of run(); limits the lanes. threads: size of the team. members: as in
   // SideBySide. Throws Error (environment) if a backend of the plan cannot run here.
-  Tiles(Prepared prepared, const StepLimits& limits, std::size_t runs, int threads,
+  Tiles(Prepared prepared, const StepSettings& settings, std::size_t runs, int threads,
         const BoundMembers* members = nullptr);
 
   [[nodiscard]] SideBySide& first() { return *workers_[0]; }
@@ -39,7 +39,7 @@ class Tiles {
 
  private:
   Prepared prepared_;
-  StepLimits limits_;
+  StepSettings settings_;
   const BoundMembers* members_;
   std::vector<std::unique_ptr<SideBySide>> workers_;  // threads; null: not needed so far
 };

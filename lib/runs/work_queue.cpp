@@ -21,7 +21,7 @@ void run_queue(
           done.fetch_add(static_cast<std::int64_t>(rows - std::exchange(counted, rows)), std::memory_order_relaxed);
           if (rank == 0 && progress.observer) {
             heard = done.load(std::memory_order_relaxed);
-            if (!progress.observer(progress.done + heard, progress.of)) stopped = true;
+            if (progress.observer(progress.done + heard, progress.of)) stopped = true;
           }
           return !stopped.load(std::memory_order_relaxed);
         });
@@ -31,7 +31,7 @@ void run_queue(
       throw;
     }
   });
-  if (progress.observer && !stopped && heard < done) stopped = !progress.observer(progress.done + done, progress.of);
+  if (progress.observer && !stopped && heard < done) stopped = progress.observer(progress.done + done, progress.of);
   progress.stopped = stopped;
 }
 

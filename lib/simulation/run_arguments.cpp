@@ -21,15 +21,15 @@ void check_times(std::span<const double> times) {
   }
 }
 
-void check_limits(const StepLimits& limits) {
-  if (limits.iterations < 0 || limits.most_iterations < 1 || !(limits.seconds >= 0)) {
-    throw Error(Error::Kind::input, "StepLimits must have iterations >= 0, most_iterations >= 1 and seconds >= 0");
+void check_settings(const StepSettings& settings) {
+  if (settings.iterations < 0 || settings.most_iterations < 1 || !(settings.seconds >= 0)) {
+    throw Error(Error::Kind::input, "StepSettings must have iterations >= 0, most_iterations >= 1 and seconds >= 0");
   }
 }
 
-Needs needs_of(const StepLimits& limits) {
+Needs needs_of(const StepSettings& settings) {
   Needs needs;
-  needs.add(Need::deadline, limits.seconds > 0);
+  needs.add(Need::deadline, settings.seconds > 0);
   return needs;
 }
 

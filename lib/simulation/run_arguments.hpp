@@ -12,9 +12,9 @@ namespace assur {
 void check_times(std::span<const double> times);
 
 // Throws Error (input) if a limit is negative, or if most_iterations is 0.
-void check_limits(const StepLimits& limits);
+void check_settings(const StepSettings& settings);
 
-[[nodiscard]] Needs needs_of(const StepLimits& limits);
+[[nodiscard]] Needs needs_of(const StepSettings& settings);
 
 // True if all steps are > 0 and equally long, except for the rounding of times. Always true for fewer than two steps.
 [[nodiscard]] bool evenly_spaced(std::span<const double> times);

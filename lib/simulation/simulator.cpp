@@ -28,15 +28,30 @@ void use_clock(Simulator& simulator, std::chrono::steady_clock::time_point (*clo
   simulator.impl_->motion.use_clock(clock);
 }
 
-Simulator::Simulator(Prepared prepared, StepLimits limits) {
-  check_limits(limits);
+Simulator::Simulator(Prepared prepared, StepSettings settings) {
+  check_settings(settings);
   const double start = prepared.start_time.value_or(prepared.time.start);
-  impl_ = std::make_unique<Impl>(std::make_shared<const Prepared>(std::move(prepared)), limits, start);
+  impl_ = std::make_unique<Impl>(std::make_shared<const Prepared>(std::move(prepared)), settings, start);
+  impl_->know_other_sets();
   impl_->fresh = !impl_->has_functions;
 }
 Simulator::Simulator(Simulator&&) noexcept = default;
 Simulator& Simulator::operator=(Simulator&&) noexcept = default;
 Simulator::~Simulator() = default;
+
+Prepared rehearse(Prepared prepared) {
+  if (!prepared.reselect) return prepared;
+  Simulator simulator(prepared);
+  simulator.stream({}, [](const MemberRows&) {});
+  const Simulator::Impl& last = *simulator.impl_;
+  const auto keep = [&](const Simulator::Impl& set) {
+    if (set.owned != last.first) prepared.other_sets.push_back(set.owned);
+  };
+  prepared.other_sets.clear();
+  for (const auto& set : last.others) keep(*set);
+  keep(last);
+  return prepared;
+}
 
 double Simulator::time() const { return impl_->motion.time(); }
 

@@ -55,14 +55,14 @@ struct Simulator::Impl {
   static constexpr int kMostPostponed = 16;  // measurements of errors in a row for which a deadline left no time
 
   // start() or restore() sets the posture.
-  Impl(std::shared_ptr<const Prepared> p, StepLimits l)
+  Impl(std::shared_ptr<const Prepared> p, StepSettings l)
       : owned(std::move(p)),
         prepared(*owned),
         first(owned),
-        limits(l),
+        settings(l),
         structure(*prepared.structure),
         system(*structure.system),
-        motion(prepared, limits, report, events),
+        motion(prepared, settings, report, events),
         columns(column_names(system)),
         outputs(system, motion.layout().address),
         turns({&outputs, 1}),
@@ -89,7 +89,7 @@ struct Simulator::Impl {
     for (auto* kept : {&inside, &divided}) *kept = std::make_unique<Snapshot>();
     clear();
   }
-  Impl(std::shared_ptr<const Prepared> p, StepLimits l, double start_time) : Impl(std::move(p), l) {
+  Impl(std::shared_ptr<const Prepared> p, StepSettings l, double start_time) : Impl(std::move(p), l) {
     start(start_time, structure.start);
   }
 
@@ -352,7 +352,7 @@ struct Simulator::Impl {
     if (impl->structure.checks != from.prepared->structure->checks) {
       std::unique_ptr<Impl> next = impl->known(sorted(from.prepared->structure->checks));
       if (!next) {
-        next = std::make_unique<Impl>(from.prepared, impl->limits);
+        next = std::make_unique<Impl>(from.prepared, impl->settings);
         next->motion.restart_solvers();
       }
       next->take_over(*impl);
@@ -360,6 +360,15 @@ struct Simulator::Impl {
       replace(impl, std::move(next));
     }
     impl->restore(from);
+  }
+
+  // Makes simulators of the sets that were found before, and starts each where it was found, so that a later start
+  // takes no memory.
+  void know_other_sets() {
+    for (const std::shared_ptr<const Prepared>& set : prepared.other_sets) {
+      if (others.size() == kMostOthers) return;
+      others.push_back(std::make_unique<Impl>(set, settings, set->start_time.value_or(set->time.start)));
+    }
   }
 
   // Takes out the simulator that checks these equations, in ascending order; null if there is none.
@@ -399,7 +408,7 @@ struct Simulator::Impl {
       next->divided = std::move(impl->divided);
       next->start(start, next->structure.start);
     } else {
-      next = std::make_unique<Impl>(impl->first, impl->limits, start);
+      next = std::make_unique<Impl>(impl->first, impl->settings, start);
     }
     next->others = std::move(family);
     replace(impl, std::move(next));
@@ -431,8 +440,9 @@ struct Simulator::Impl {
       slowest_choice = std::max(slowest_choice, motion.now() - began_at);
       if (const auto found = sorted(chosen.structure->checks); found != checks) {
         chosen.reselect = prepared.reselect;
+        chosen.start_time = motion.time();
         std::unique_ptr<Impl> next = known(found);
-        if (!next) next = std::make_unique<Impl>(std::make_shared<const Prepared>(std::move(chosen)), limits);
+        if (!next) next = std::make_unique<Impl>(std::make_shared<const Prepared>(std::move(chosen)), settings);
         if (auto started = continued_by(std::move(next), here)) return started;
       }
     } catch (const Error&) {  // the posture has no other set
@@ -525,7 +535,7 @@ struct Simulator::Impl {
   std::shared_ptr<const Prepared> owned;
   const Prepared& prepared;
   std::shared_ptr<const Prepared> first;  // plan at the start of the run, for reset()
-  StepLimits limits;
+  StepSettings settings;
   Report report;  // without its events
   EventLog events;
   const Structure& structure;

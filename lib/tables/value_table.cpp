@@ -526,10 +526,10 @@ bool ValueTable::take(std::vector<double> values) {
 }
 
 Ensemble::Ensemble(const Scene& scene, std::vector<std::string> names, std::vector<double> values,
-                   const PrepareOptions& options, StepLimits limits)
+                   const PrepareOptions& options, StepSettings settings)
     : Ensemble(std::make_unique<ValueTable>(
                    scene, std::move(names), std::move(values), options,
-                   limits.iterations > 0 ? AtRest::left_out : AtRest::in_front),  // levels decide who takes them
-               limits) {}
+                   settings.iterations > 0 ? AtRest::left_out : AtRest::in_front),  // levels decide who takes them
+               settings) {}
 
 }  // namespace assur

@@ -38,7 +38,7 @@ std::string why_not(const SolutionProof& p) {
 Certificate not_this_motion(double t, bool in_chunks) {
   return {t, kInfinity, 0, "",
           in_chunks ? "the trajectory was computed in chunks, whose postures are not kept; compute it without +chunks"
-                    : "the plan with these limits computes other outputs than the trajectory"};
+                    : "the plan with these settings computes other outputs than the trajectory"};
 }
 
 bool same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
@@ -256,25 +256,25 @@ Certificate certify(const Simulator& simulator) {
   return Certifier(simulator.prepared()).certify(posture_of(simulator), simulator.time());
 }
 
-std::vector<Certificate> certify(const Prepared& prepared, const Trajectory& trajectory, StepLimits limits) {
+std::vector<Certificate> certify(const Prepared& prepared, const Trajectory& trajectory, StepSettings settings) {
   std::vector<Certificate> out;
   Prepared plan = prepared;
   const bool in_chunks = std::exchange(plan.plan.run.chunks, 1) > 1;
-  Simulator simulator(std::move(plan), std::move(limits));
+  Simulator simulator(std::move(plan), std::move(settings));
   std::shared_ptr<const Structure> structure;
   std::optional<Certifier> certifier;
   (void)simulator.run(trajectory.times(), [&](std::int64_t done, std::int64_t) {
     const std::span<const double> row = trajectory.row(static_cast<std::size_t>(done - 1)), now = simulator.outputs();
     if (!std::equal(row.begin(), row.end(), now.begin(), now.end(), [](double a, double b) { return same(a, b); })) {
       out.push_back(not_this_motion(simulator.time(), in_chunks));
-      return true;
+      return false;
     }
     if (structure != simulator.prepared().structure) {  // reselection of redundant equations changes the structure
       structure = simulator.prepared().structure;
       certifier.emplace(simulator.prepared());
     }
     out.push_back(certifier->certify(posture_of(simulator), simulator.time()));
-    return true;
+    return false;
   });
   while (out.size() < trajectory.rows()) out.push_back(not_this_motion(trajectory.times()[out.size()], in_chunks));
   return out;

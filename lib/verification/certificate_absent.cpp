@@ -14,6 +14,6 @@ namespace {
 
 Certificate certify(const Simulator&) { refuse(); }
 
-std::vector<Certificate> certify(const Prepared&, const Trajectory&, StepLimits) { refuse(); }
+std::vector<Certificate> certify(const Prepared&, const Trajectory&, StepSettings) { refuse(); }
 
 }  // namespace assur

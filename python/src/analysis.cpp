@@ -78,7 +78,7 @@ void add_range(py::module_& m) {
   py::class_<RangeEnd>(m, "RangeEnd", R"(One end of the range of a driver, in the unit of the range.)")
       .def_property_readonly(
           "code", [](const RangeEnd& e) { return std::string(name(e.code)); },
-          "'limit_reached': a fold; 'stop_reached': a limit of the scene; 'ok': no end was found; or a failure.")
+          "'fold': a fold; 'limit_reached': a limit of the scene; 'ok': no end was found; or a failure.")
       .def_readonly("reached", &RangeEnd::reached, "A value that the mechanism reaches, rad or m.")
       .def_readonly("beyond", &RangeEnd::beyond,
                     "A value that it does not reach, rad or m; without an end as `reached`.")

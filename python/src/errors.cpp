@@ -51,7 +51,7 @@ void add_errors(py::module_& m) {
   py::class_<Status>(m, "Status", R"(Outcome of a step or a run.)")
       .def_property_readonly(
           "code", [](const Status& s) { return std::string(name(s.code)); },
-          "'ok', 'inaccurate', 'limit_reached', ...: docs/accuracy.md explains each.")
+          "'ok', 'inaccurate', 'fold', ...: docs/accuracy.md explains each.")
       .def_property_readonly("ok", &Status::ok, "True if nothing is wrong.")
       .def_property_readonly("arrived", &Status::arrived,
                              "True if the time was reached, even if the result is 'inaccurate'.")

@@ -164,7 +164,7 @@ void add_fleets(py::module_& m) {
                 status[i] = name(motion.status.code);
                 ++done;
               };
-              const auto stop = [&] { return std::this_thread::get_id() == caller && !tell(); };
+              const auto stop = [&] { return std::this_thread::get_id() == caller && tell(); };
               const FleetReport report = fleet.run(at, take, {.threads = threads, .accuracy = accuracy, .stop = stop});
               (void)tell();
               return report;
@@ -183,7 +183,7 @@ void add_fleets(py::module_& m) {
           R"(Moves all linkages over `times`, an array of (times,), s. Returns (paths, reached, status).
 
 paths: an array of (linkages, times, 2), m, of the traced joints; NaN where a linkage has jammed. reached: an array of
-(linkages,), the last time of each, s. status: 'ok', 'limit_reached', ... of each. accuracy: a
+(linkages,), the last time of each, s. status: 'ok', 'fold', ... of each. accuracy: a
 motion with a larger estimated error, relative, is 'inaccurate'. Ctrl-C raises Interrupted, whose `result` has the
 linkages that are done; the others are NaN, with the status 'interrupted'. progress: tqdm, or a bar of it.)")
       .def("__repr__", [](const Fleet& f) { return "Fleet(" + plural(f.size(), "linkage") + ")"; });

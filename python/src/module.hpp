@@ -142,7 +142,7 @@ auto with_threads(const Plan& plan, const Work& work) {
 
 // A simulator.
 struct Session : Exclusive<Simulator> {
-  explicit Session(const Ready& prepared, const StepLimits& limits = {});
+  explicit Session(const Ready& prepared, const StepSettings& settings = {});
   // Calls work(simulator).
   template <class Work>
   auto call(const Work& work) const {
@@ -211,7 +211,7 @@ auto run_watched(const py::object& progress, bool& interrupted, const Run& run) 
   Watch watch(progress);
   auto result = [&] {
     const py::gil_scoped_release release;
-    return run([&](std::int64_t done, std::int64_t of) { return watch.proceed(done, of); });
+    return run([&](std::int64_t done, std::int64_t of) { return !watch.proceed(done, of); });
   }();
   watch.finish();
   interrupted = watch.interrupted();

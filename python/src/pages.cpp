@@ -37,7 +37,7 @@ std::string page_of(const Ready& wanted, const std::vector<double>& times) {
   bool interrupted = false;
   const pictures::Animation animation = run_watched(py::none(), interrupted, [&](const Simulator::Observer& observer) {
     return pictures::animation_of(wanted, simulator, times,
-                                  [&](std::int64_t k) { return observer(k, static_cast<std::int64_t>(times.size())); });
+                                  [&](std::int64_t k) { return !observer(k, static_cast<std::int64_t>(times.size())); });
   });
   const std::string from = output::number(times.front()), to = output::number(times.back());
   return animation.page({"t = " + from + " to " + to + " s; assur " ASSUR_VERSION "."});

@@ -95,6 +95,13 @@ void add_plans(py::module_& m) {
           py::arg("group_class") = 0,
           "All strategies for one class of groups, with their expected times: a list of Candidate, the fastest first.")
       .def(
+          "rehearse",
+          [](const Ready& p) {
+            const py::gil_scoped_release release;
+            return Ready{rehearse(p), p.modes};
+          },
+          "Runs the motion once; simulators of the result know the sets of redundant equations that it chose.")
+      .def(
           "save",
           [](const Ready& p, const std::filesystem::path& file) {
             write_file(file, [&](std::ostream& out) { save_plan(out, p); });

@@ -27,8 +27,8 @@ py::array column_of(const py::object& self, const std::string& column) {
   return view(t.values().data() + t.index(column), {static_cast<py::ssize_t>(t.rows())}, self, {width});
 }
 
-StepLimits limits_of(int iterations, int most_iterations, double seconds, const std::vector<int>& pin_to) {
-  StepLimits out;
+StepSettings settings_of(int iterations, int most_iterations, double seconds, const std::vector<int>& pin_to) {
+  StepSettings out;
   out.iterations = iterations;
   out.most_iterations = most_iterations;
   out.seconds = seconds;
@@ -49,9 +49,9 @@ py::object object_of(const Status& status) {
   return status.ok() && status.figure == 0 ? *kOk : py::cast(status);
 }
 
-Session::Session(const Ready& prepared, const StepLimits& limits)
-    : Exclusive(with_threads(prepared.plan, [&] { return std::make_unique<Simulator>(prepared, limits); }), "simulator",
-                prepared.name),
+Session::Session(const Ready& prepared, const StepSettings& settings)
+    : Exclusive(with_threads(prepared.plan, [&] { return std::make_unique<Simulator>(prepared, settings); }),
+                "simulator", prepared.name),
       modes(prepared.modes) {}
 
 void add_simulators(py::module_& m) {
@@ -122,9 +122,9 @@ A simulator serves one thread at a time; different simulators run in different t
   simulator
       .def(py::init([](const py::object& of, int iterations, int most_iterations, double seconds,
                        const std::vector<int>& pin_to) {
-             const StepLimits limits = limits_of(iterations, most_iterations, seconds, pin_to);
-             if (py::isinstance<Scene>(of)) return Session({prepare(of.cast<const Scene&>()), {}}, limits);
-             if (py::isinstance<Ready>(of)) return Session(of.cast<const Ready&>(), limits);
+             const StepSettings settings = settings_of(iterations, most_iterations, seconds, pin_to);
+             if (py::isinstance<Scene>(of)) return Session({prepare(of.cast<const Scene&>()), {}}, settings);
+             if (py::isinstance<Ready>(of)) return Session(of.cast<const Ready&>(), settings);
              throw py::type_error("a Simulator needs a Prepared or a Scene, not " + py::repr(of).cast<std::string>() +
                                   "; assur.scene() opens files and samples");
            }),

@@ -126,15 +126,15 @@ py::object run(const Scene& scene, const py::dict& vary, std::int64_t samples, c
     // Threads of the plan ask whether to stop; only this one may look for Ctrl-C.
     std::atomic<bool> stopped = false;
     const std::thread::id own = std::this_thread::get_id();
-    StepLimits limits;
-    limits.stop = [&] {
+    StepSettings settings;
+    settings.stop = [&] {
       if (std::this_thread::get_id() == own && !stopped) {
-        stopped = !observer(table ? static_cast<std::int64_t>(table->samples.size()) : 0, of);
+        stopped = observer(table ? static_cast<std::int64_t>(table->samples.size()) : 0, of);
       }
       return stopped.load();
     };
     sweep::Sweep sweep(space, at_middle, how, columns, reduce, trace_of(at_middle, columns, trace, target, compare),
-                       limits);
+                       settings);
     const Names figures = sweep.figures();
     table.emplace(Table{space, figures, {}, {}, {}, {}, {}});
     table->parameters.resize(ranges.size());

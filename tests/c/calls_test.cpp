@@ -66,7 +66,7 @@ TEST(C, VersionsAndCodes) {
   }
   EXPECT_STREQ(assur_code_name(ASSUR_NEAR_SINGULAR + 1), "unknown");
   EXPECT_STREQ(assur_code_name(-1), "unknown");
-  EXPECT_EQ(assur_code_name(ASSUR_STOP_REACHED), std::string("stop_reached"));
+  EXPECT_EQ(assur_code_name(ASSUR_LIMIT_REACHED), std::string("limit_reached"));
 }
 
 TEST(C, ControlledStepsAreThoseOfCpp) {
@@ -189,8 +189,8 @@ TEST(C, EventsAndFailures) {
   assur_status status;
   EXPECT_EQ(assur_simulator_run(simulator.get(), nullptr, 121, values.data(),
                                 assur_simulator_column_count(simulator.get()), &rows, &status),
-            ASSUR_LIMIT_REACHED);
-  EXPECT_EQ(status.code, ASSUR_LIMIT_REACHED);
+            ASSUR_FOLD);
+  EXPECT_EQ(status.code, ASSUR_FOLD);
   EXPECT_EQ(status.place, ASSUR_PLACE_GROUP);
   EXPECT_LT(rows, 121U);
   assur_report report{};
@@ -200,7 +200,7 @@ TEST(C, EventsAndFailures) {
   assur_event event{};
   event.size = sizeof event;
   EXPECT_EQ(assur_simulator_event(simulator.get(), report.events - 1, &event), ASSUR_OK);
-  EXPECT_EQ(event.code, ASSUR_LIMIT_REACHED);
+  EXPECT_EQ(event.code, ASSUR_FOLD);
   EXPECT_STRNE(event.group, "");
   EXPECT_EQ(assur_simulator_event(simulator.get(), report.events, &event), ASSUR_ERROR_INPUT);
   EXPECT_EQ(assur_simulator_fallback(simulator.get(), report.fallbacks), nullptr);
@@ -355,10 +355,10 @@ TEST(C, ErrorsNameWhatIsWrong) {
   EXPECT_EQ(assur_simulator_run(simulator.get(), nullptr, 1, row.data(), 1, nullptr, nullptr), ASSUR_ERROR_INPUT);
   // A number that is not finite is an outcome.
   EXPECT_EQ(assur_simulator_step_to(simulator.get(), NAN, nullptr), ASSUR_NOT_FINITE);
-  assur_limits limits = ASSUR_LIMITS;
-  limits.most_iterations = 0;
+  assur_step_settings settings = ASSUR_STEP_SETTINGS;
+  settings.most_iterations = 0;
   assur_simulator* other = nullptr;
-  EXPECT_EQ(assur_simulator_new(plan_of(good.get()).get(), &limits, &other), ASSUR_ERROR_INPUT);
+  EXPECT_EQ(assur_simulator_new(plan_of(good.get()).get(), &settings, &other), ASSUR_ERROR_INPUT);
 }
 
 // Sizes that no memory has, such as -1 from a language with signed numbers.

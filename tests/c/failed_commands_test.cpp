@@ -65,7 +65,7 @@ TEST(C, ARejectedTargetDoesNotMoveTheRobotLater) {
   const std::vector<double> there = r.row(r.every);
   ASSERT_EQ(assur_simulator_set(r.every, 0, 9, 0, 0), ASSUR_OK);
   assur_status status;
-  ASSERT_EQ(assur_simulator_step(r.every, &status), ASSUR_LIMIT_REACHED);
+  ASSERT_EQ(assur_simulator_step(r.every, &status), ASSUR_FOLD);
   EXPECT_EQ(r.row(r.every), there);
   for (int k = 0; k < 2; ++k) {
     const double next = assur_simulator_time(r.every) + 1e-3;

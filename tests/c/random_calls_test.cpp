@@ -74,8 +74,8 @@ class Caller {
       case 12:
       case 13:
         return keep(simulators_, [&](auto** out) {
-          const assur_limits limits = random_limits();
-          return assur_simulator_new(any(plans_), draw_.maybe() ? nullptr : &limits, out);
+          const assur_step_settings settings = random_limits();
+          return assur_simulator_new(any(plans_), draw_.maybe() ? nullptr : &settings, out);
         });
       case 14:
         return drop(simulators_, assur_simulator_free);
@@ -255,13 +255,13 @@ class Caller {
   std::size_t index() { return draw_.below(8) == 0 ? std::numeric_limits<std::size_t>::max() : draw_.below(5); }
   std::int32_t small() { return draw_.of(std::vector<std::int32_t>{0, 1, 1, 1, 2, -1}); }
   assur_status* status() { return draw_.maybe() ? &status_ : nullptr; }
-  assur_limits random_limits() {
-    assur_limits limits = ASSUR_LIMITS;
-    limits.iterations = draw_.below(4) == 0 ? small() : 0;
-    limits.most_iterations = draw_.maybe() ? 12 : small();
-    limits.seconds = draw_.maybe() ? 0 : number();
-    if (draw_.below(9) == 0) limits.size = draw_.below(sizeof limits + 9);
-    return limits;
+  assur_step_settings random_limits() {
+    assur_step_settings settings = ASSUR_STEP_SETTINGS;
+    settings.iterations = draw_.below(4) == 0 ? small() : 0;
+    settings.most_iterations = draw_.maybe() ? 12 : small();
+    settings.seconds = draw_.maybe() ? 0 : number();
+    if (draw_.below(9) == 0) settings.size = draw_.below(sizeof settings + 9);
+    return settings;
   }
   std::vector<double> times() {
     std::vector<double> out;

@@ -135,13 +135,13 @@ TEST_F(Ensembles, NamesFailedMembersAndContinuesTheOthers) {
   const Outcome outcome = run(scene, variants, {"--json", "--csv", csv});
   EXPECT_EQ(outcome.status, 1);
   const auto json = outcome.json();
-  EXPECT_EQ(json["status"], "limit_reached");
+  EXPECT_EQ(json["status"], "fold");
   EXPECT_EQ(json["members"], 5);
   ASSERT_EQ(json["failed"].size(), 3u);
   const auto stuck = json["failed"][0], apart = json["failed"][1], wrong = json["failed"][2];
   EXPECT_EQ(stuck["member"], 2);
   EXPECT_EQ(stuck["parameters"]["coupler"], 1);
-  EXPECT_EQ(stuck["status"], "limit_reached");
+  EXPECT_EQ(stuck["status"], "fold");
   EXPECT_GE(stuck["reached"], 1.31);
   EXPECT_LT(stuck["reached"], std::acos(0.25));
   EXPECT_EQ(stuck["why"].get<std::string>().rfind("t = 1.31", 0), 0u) << stuck;
@@ -152,7 +152,7 @@ TEST_F(Ensembles, NamesFailedMembersAndContinuesTheOthers) {
   EXPECT_NE(wrong["why"].get<std::string>().find("/constraints/coupler_bar"), std::string::npos) << wrong;
   ASSERT_FALSE(json["events"].empty());
   EXPECT_EQ(json["events"][0]["member"], 2);
-  EXPECT_EQ(json["events"][0]["kind"], "limit_reached");
+  EXPECT_EQ(json["events"][0]["kind"], "fold");
 
   std::vector<int> rows(6);
   for (const Row& row : rows_of(content(csv))) ++rows[static_cast<std::size_t>(row.values[0])];

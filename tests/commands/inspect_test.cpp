@@ -303,7 +303,7 @@ TEST(Inspect, ShowsTheRangeOfADriver) {
   const auto range = outcome.json()["range"];
   EXPECT_EQ(range["driver"], "motor");
   EXPECT_EQ(range["unit"], "rad");
-  EXPECT_EQ(range["low"]["status"], "limit_reached");
+  EXPECT_EQ(range["low"]["status"], "fold");
   EXPECT_NEAR(range["low"]["reached"], -30 * kTurn / 360, 1e-12);
   EXPECT_NEAR(range["high"]["beyond"], 210 * kTurn / 360, 1e-12);
   const Outcome page = run_command({"inspect", scene, "--range", "motor"});

@@ -244,8 +244,7 @@ TEST(Run, AFailureKeepsRowsAndNamesTheTime) {
   const Outcome page = run_command({"run", scene, "--csv", scratch.file("motion.csv")});
   EXPECT_EQ(page.status, 1);
   EXPECT_EQ(page.err.rfind("error: t = 1.31", 0), 0u) << page.err;
-  EXPECT_NE(page.err.find("group C: the mechanism cannot move further (limit_reached)\n"), std::string::npos)
-      << page.err;
+  EXPECT_NE(page.err.find("group C: the mechanism cannot move further (fold)\n"), std::string::npos) << page.err;
   const auto times = times_of(content(scratch.file("motion.csv")));
   EXPECT_EQ(times.back(), 131 * 0.01);
   EXPECT_EQ(times.size(), 132u);
@@ -254,11 +253,11 @@ TEST(Run, AFailureKeepsRowsAndNamesTheTime) {
   EXPECT_EQ(outcome.status, 1);
   EXPECT_EQ(outcome.err, "");
   const auto json = outcome.json();
-  EXPECT_EQ(json["status"], "limit_reached");
+  EXPECT_EQ(json["status"], "fold");
   EXPECT_EQ(json["steps"], 131);
   ASSERT_FALSE(json["events"].empty());
   const auto event = json["events"].back();
-  EXPECT_EQ(event["kind"], "limit_reached");
+  EXPECT_EQ(event["kind"], "fold");
   EXPECT_EQ(event["group"], "C");
   EXPECT_GE(event["time"], 1.31);
   EXPECT_LE(event["time"], kFoldTime);

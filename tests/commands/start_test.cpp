@@ -113,18 +113,18 @@ TEST(CommandStops, EndWithTheirStatusAndTheirPlace) {
   const Outcome ended = run_command({"run", scene(""), "--json"});
   EXPECT_EQ(ended.status, 1);
   const auto json = ended.json();
-  EXPECT_EQ(json["status"], "stop_reached");
+  EXPECT_EQ(json["status"], "limit_reached");
   EXPECT_EQ(json["steps"], 5);
   ASSERT_EQ(json["events"].size(), 1u);
   const auto& event = json["events"][0];
-  EXPECT_EQ(event["kind"], "stop_reached");
+  EXPECT_EQ(event["kind"], "limit_reached");
   EXPECT_EQ(event["group"], "J.angle");
   EXPECT_EQ(event["unit"], "rad");
   EXPECT_NEAR(event["time"], 0.5, 1e-12);
   EXPECT_NEAR(event["until"], 0.5, 1e-12);
   const Outcome page = run_command({"run", scene("")});
   EXPECT_NE(page.err.find("error: t = 0.5 ... 0.5 s, limit of J.angle: a limit of the scene ends the motion "
-                          "(stop_reached): the largest allowed value is 0.7853981634 rad"),
+                          "(limit_reached): the largest allowed value is 0.7853981634 rad"),
             std::string::npos)
       << page.err;
   const auto flagged = run_command({"run", scene(R"(, "reaction": "flag")"), "--json"});
@@ -133,7 +133,7 @@ TEST(CommandStops, EndWithTheirStatusAndTheirPlace) {
   EXPECT_EQ(flagged.json()["events"][0]["kind"], "limit_exceeded");
   EXPECT_EQ(flagged.json()["steps"], 10);
   const auto range = run_command({"inspect", scene(""), "--range", "--json"}).json()["range"];
-  EXPECT_EQ(range["high"]["status"], "stop_reached");
+  EXPECT_EQ(range["high"]["status"], "limit_reached");
   EXPECT_EQ(range["high"]["group"], "J.angle");
   EXPECT_NEAR(range["high"]["reached"], std::acos(0.0) / 2, 1e-12);
   const auto passed = run_command({"inspect", scene(R"(, "reaction": "flag")"), "--range", "--json"}).json()["range"];

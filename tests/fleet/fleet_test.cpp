@@ -50,13 +50,13 @@ TEST(Fleet, MotionsAreThoseOfTheSimulator) {
     }
     const double estimated = motion.error + simulator.report().error.estimated_position.value_or(0);
     EXPECT_LE(deviation / largest(path), 100 * estimated);
-    if (motion.status.code == Code::limit_reached) {
+    if (motion.status.code == Code::fold) {
       EXPECT_NEAR(motion.reached, simulator.report().reached, 1e-6);
     }
     ++codes[motion.status.code];
   }
   EXPECT_GT(codes[Code::ok], 30);
-  EXPECT_GT(codes[Code::limit_reached], 30);
+  EXPECT_GT(codes[Code::fold], 30);
 }
 
 TEST(Fleet, BitsDependOnTheLinkageAlone) {
@@ -113,7 +113,7 @@ TEST(Fleet, TimesOfLimitsAreExact) {
   const double t = std::acos(cosine) / kTurn;
   for (const int steps : {3, 7, 50, 200, 1000}) {
     const Kept kept = run(four_bar(crank, coupler, rocker, distance), times_of(one_turn(steps)));
-    EXPECT_EQ(kept.motion.status.code, Code::limit_reached) << steps;
+    EXPECT_EQ(kept.motion.status.code, Code::fold) << steps;
     EXPECT_EQ(kept.motion.joint, 3);
     EXPECT_NEAR(kept.motion.reached, t, 1e-12) << steps;
     EXPECT_LE(kept.motion.reached, kept.motion.not_beyond);
@@ -130,7 +130,7 @@ TEST(Fleet, ALimitBetweenTwoTimesIsFound) {
     const double cosine = (1 + 2.5 * 2.5 - std::pow(3.5 - beyond, 2)) / 5;
     for (const int steps : {5, 25, 125}) {  // odd: none of the times is that of the angle pi
       const Kept kept = run(linkage, times_of(one_turn(steps)));
-      EXPECT_EQ(kept.motion.status.code, Code::limit_reached) << beyond << ", " << steps;
+      EXPECT_EQ(kept.motion.status.code, Code::fold) << beyond << ", " << steps;
       EXPECT_NEAR(kept.motion.reached, std::acos(cosine) / kTurn, 1e-9) << beyond << ", " << steps;
     }
     const Kept shorter = run(four_bar(1, 1.7 + beyond / 2, 1.8 + beyond / 2, 2.5), times_of(one_turn(25)));

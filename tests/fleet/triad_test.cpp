@@ -55,8 +55,8 @@ TEST(FleetTriads, MotionsAreThoseOfTheSimulator) {
     }
   }
   EXPECT_GT(codes[Code::ok], linkages / 4);
-  EXPECT_GT(codes[Code::limit_reached], linkages / 4);
-  EXPECT_EQ(codes[Code::ok] + codes[Code::limit_reached] + codes[Code::not_assembled], linkages);
+  EXPECT_GT(codes[Code::fold], linkages / 4);
+  EXPECT_EQ(codes[Code::ok] + codes[Code::fold] + codes[Code::not_assembled], linkages);
 }
 
 // Newton's method passes near other postures, to which a coarse grid invites.

@@ -63,7 +63,7 @@ TEST_P(Figures, DescribeThePosture) {
     // The residual of this loop, and the error of the previous loop times a condition. Both are at least a rounding.
     const double bound = 2 * (all.back().residual + kSolved) * all.front().condition;
     EXPECT_LE(wrong, 2 * bound * all.back().condition);
-    return true;
+    return false;
   });
   ASSERT_EQ(motion.rows(), 21u);
   EXPECT_EQ(residual <= kSolved, GetParam() == 0);

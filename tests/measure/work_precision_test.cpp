@@ -104,7 +104,7 @@ TEST(WorkPrecision, ListsFailedStrategiesWithoutTime) {
   const WorkPrecision result = work_precision(fold, quick({"groups/eigen", "global/eigen"}, {}));
   ASSERT_EQ(result.rows.size(), 2u);
   for (const WorkPrecisionRow& row : result.rows) {
-    EXPECT_EQ(row.status, "limit_reached");
+    EXPECT_EQ(row.status, "fold");
     EXPECT_FALSE(row.seconds.has_value());
     EXPECT_FALSE(row.on_front);
   }

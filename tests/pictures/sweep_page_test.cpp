@@ -20,14 +20,14 @@ sweep::Row row(std::int64_t sample, const std::string& status, double a, double 
 
 pictures::SweepPage example() {
   const sweep::Row best = row(2, "ok", 0.3, 3, 0.1);
-  return {"a<b",
-          {"4 of 4 samples."},
-          {{"first", 0, 1}, {"second", 1, 4}},
-          {"C.x.max"},
-          {row(0, "ok", 0.1, 1, 0.5), row(1, "limit_reached", 0.2, 2, 0.7), best,
-           row(3, sweep::Row::kNotAssembled, 0.4, 4, kNan)},
-          {best},
-          {"Man"}};
+  return {
+      "a<b",
+      {"4 of 4 samples."},
+      {{"first", 0, 1}, {"second", 1, 4}},
+      {"C.x.max"},
+      {row(0, "ok", 0.1, 1, 0.5), row(1, "fold", 0.2, 2, 0.7), best, row(3, sweep::Row::kNotAssembled, 0.4, 4, kNan)},
+      {best},
+      {"Man"}};
 }
 
 TEST(SweepPage, ShowsFiguresOverParametersAndEnds) {
@@ -35,7 +35,7 @@ TEST(SweepPage, ShowsFiguresOverParametersAndEnds) {
   EXPECT_NE(page.find("<h1>a&lt;b: samples of a design space</h1>"), std::string::npos);
   EXPECT_EQ(count(page, "<svg"), 3u) << "the figure over two parameters, and one parameter over the other";
   EXPECT_EQ(count(page, "sample 0, ok, first = 0.1, second = 1"), 3u);
-  EXPECT_EQ(count(page, "sample 1, limit_reached, first = 0.2, second = 2"), 3u);
+  EXPECT_EQ(count(page, "sample 1, fold, first = 0.2, second = 2"), 3u);
   EXPECT_EQ(count(page, "sample 3, not_assembled, first = 0.4, second = 4"), 1u) << "it has no figures";
   EXPECT_EQ(page.find("http:"), page.find("http://www.w3.org")) << "loads nothing";
 }

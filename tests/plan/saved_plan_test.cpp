@@ -401,9 +401,9 @@ TEST(SavedPlan, SurvivesTamperedNumbers) {
         ++accepted;
         // A law may now turn a million times within a step.
         int substeps = 0;
-        StepLimits limits;
-        limits.stop = [&] { return ++substeps > 1000; };
-        Simulator simulator(prepared, limits);
+        StepSettings settings;
+        settings.stop = [&] { return ++substeps > 1000; };
+        Simulator simulator(prepared, settings);
         const double t = simulator.time(), step = prepared.time.step;
         (void)simulator.run(std::vector<double>{t, t + step, t + 2 * step, t + 3 * step, t + 4 * step});
       } catch (const Error&) {

@@ -42,7 +42,7 @@ def test_the_range_of_a_driver(mechanism):
     values = {"crank": a, "coupler": b, "rocker": c, "D.x": d, "B.x": a, "C.x": 3.5, "C.y": 1.9}
     short = assur.motion_range(mechanism.with_values(values))
     fold = math.acos((a * a + d * d - (b + c) ** 2) / (2 * a * d))
-    assert short.high.code == "limit_reached" and short.high.group == "C" and "limit_reached" in repr(short.high)
+    assert short.high.code == "fold" and short.high.group == "C" and "fold" in repr(short.high)
     assert short.high.reached == pytest.approx(fold, abs=1e-10) and short.high.beyond >= short.high.reached
     assert short.passed == [] and all(abs(x) < 1e-6 for x in short.change_points)
     with pytest.raises(assur.InputError, match="moter"):

@@ -104,7 +104,7 @@ def test_a_closed_ensemble(mechanism):
 def test_members_that_fail(mechanism):
     ensemble = assur.Ensemble(mechanism, {"coupler": [3, 2.0, 0.1], "rocker": [2.5, 1.4, 0.1]})
     motion = ensemble.run()
-    assert ensemble.outcomes[1].status.code == "limit_reached" and ensemble.outcomes[2].cannot
+    assert ensemble.outcomes[1].status.code == "fold" and ensemble.outcomes[2].cannot
     assert 0 < motion.rows[1] < 201 and motion.rows[2] == 0
     assert numpy.isnan(motion["C.x"][1, motion.rows[1] :]).all() and numpy.isnan(motion["C.x"][2]).all()
 

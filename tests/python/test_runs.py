@@ -23,6 +23,9 @@ def test_prepare_and_plans(tmp_path, mechanism):
     loaded = assur.load_plan(tmp_path / "plan")
     assert loaded.scene is None
     assert numpy.array_equal(assur.Simulator(loaded).run().values, assur.Simulator(prepared).run().values)
+    redundant = assur.prepare(assur.sample("bricard_joints"), threads=1)
+    runs = [assur.Simulator(p).run() for p in (redundant, redundant.rehearse())]
+    assert numpy.array_equal(runs[0].values, runs[1].values)
     with pytest.raises(assur.InputError, match="backend"):
         assur.prepare(mechanism, strategy="groups/abacus")
     with pytest.raises(assur.InputError, match="throughput"):
@@ -37,10 +40,10 @@ def test_prepare_and_plans(tmp_path, mechanism):
 
 def test_statuses_are_compared(mechanism):
     status = assur.run(mechanism).status
-    assert status == "ok" and status != "limit_reached" and status == assur.run(mechanism).status
+    assert status == "ok" and status != "fold" and status == assur.run(mechanism).status
     assert status != None and not status == 5 and status in [None, "ok"] and status not in [None, 0]  # noqa: E711
     jammed = assur.run(mechanism.with_values(rocker=1.4, coupler=2.0)).status
-    assert jammed != status and jammed == jammed and jammed == "limit_reached"
+    assert jammed != status and jammed == jammed and jammed == "fold"
 
 
 def test_wrong_arguments_of_a_simulator():
@@ -177,10 +180,10 @@ def test_a_limit_ends_the_motion(mechanism):
     simulator = assur.Simulator(mechanism.with_values(rocker=1.4, coupler=2.0))
     motion = simulator.run()
     status = simulator.report.status
-    assert status.code == "limit_reached" and not status.ok and not status and not status.arrived
-    assert len(motion) < 201 and "limit_reached" in repr(status) and status.figure >= 0 and status.index >= -1
+    assert status.code == "fold" and not status.ok and not status and not status.arrived
+    assert len(motion) < 201 and "fold" in repr(status) and status.figure >= 0 and status.index >= -1
     event = simulator.report.events[-1]
-    assert event.kind == "limit_reached" and event.time <= event.until and event.group in repr(event)
+    assert event.kind == "fold" and event.time <= event.until and event.group in repr(event)
     assert isinstance(event.detail, str) and isinstance(event.unit, str) and event.figure == event.figure
 
 
@@ -297,7 +300,7 @@ def test_a_motion_that_ends_early_tells_why():
     b = assur.SceneBuilder("jams", 2).point("A", (0, 0), fixed=True).point("D", (1, 0), fixed=True)
     b.point("B", (0.5, 0)).point("C", (0.9, 0.6)).distance("k", "B", "C").distance("r", "D", "C")
     motion = assur.run(b.drive_angle("m", "A", "B", [0, 3]).output("C").time(0, 2, 0.01).build())
-    assert motion.status.code == "limit_reached" and motion.report.events and len(motion) < 201
-    assert "limit_reached" in repr(motion)
+    assert motion.status.code == "fold" and motion.report.events and len(motion) < 201
+    assert "fold" in repr(motion)
     done = assur.run("four_bar:1")
     assert done.status.ok and done.report.reached == done.t[-1] and "status" not in repr(done)

@@ -28,7 +28,7 @@ def test_a_sweep_is_an_ensemble_of_its_points(mechanism):
     assert numpy.allclose(table["C.x.max"], x["maximum"], rtol=0, atol=1e-12, equal_nan=True)
     assert numpy.allclose(table["C.x.range"], x["maximum"] - x["minimum"], rtol=0, atol=1e-12, equal_nan=True)
     codes = [o.status.code if not o.cannot else "not_assembled" for o in ensemble.outcomes]
-    assert table["status"].tolist() == codes and {"ok", "limit_reached"} <= set(codes)
+    assert table["status"].tolist() == codes and {"ok", "fold"} <= set(codes)
     part = assur.sweep(mechanism, VARY, 300, range=(40, 60), threads=2, reduce=["max", "range", "mean"])
     assert all(numpy.array_equal(part[name], table[name][40:60], equal_nan=name != "status") for name in table)
 

@@ -91,7 +91,7 @@ TEST(BetweenRows, AFoldIsSeenWhateverTheOutputsAre) {
       for (const double step : {3.0, 1.0, 0.1, 0.01}) {
         const End end = run(rod_and_cylinder().output(output).time(0, 3, step).build(), way);
         const std::string where = std::string(output) + ", " + way + ", step " + std::to_string(step);
-        EXPECT_EQ(end.status.code, Code::limit_reached) << where;
+        EXPECT_EQ(end.status.code, Code::fold) << where;
         ASSERT_FALSE(end.events.empty()) << where;
         EXPECT_LE(end.events.back().time, fold + 1e-12) << where;
         EXPECT_GE(end.events.back().until, fold - 1e-12) << where;
@@ -150,7 +150,7 @@ TEST(BetweenRows, TurnsOfAPartThatItsCoordinatesMove) {
           << way << ", step " << step;
     }
     const End stopped = run(circle().limit("angle", -HUGE_VAL, 3).time(0, 3, 1).build(), way);
-    EXPECT_EQ(stopped.status.code, Code::stop_reached) << way;
+    EXPECT_EQ(stopped.status.code, Code::limit_reached) << way;
     EXPECT_NEAR(stopped.reached, 3 / (2 * pi), 1e-9) << way;
   }
 }
@@ -207,7 +207,7 @@ TEST(BetweenRows, AFoldBeforeADriverVanishes) {
   for (const std::string& way : kWays) {
     for (const double step : {1.0, 0.5, 0.01}) {
       const End end = run(SceneBuilder(b).output("C").time(0, 1, step).build(), way);
-      EXPECT_EQ(end.status.code, Code::limit_reached) << way << ", step " << step;
+      EXPECT_EQ(end.status.code, Code::fold) << way << ", step " << step;
       EXPECT_NEAR(end.reached, fold, 0.01) << way << ", step " << step;
     }
   }
@@ -221,7 +221,7 @@ TEST(BetweenRows, AFunctionIsSampledBetweenTheRows) {
   const Law law = cosine(-1, 2);
   b.drive("cylinder", DrivenDistance{"D", "C", Law::function([law](double t) { return law(t); })});
   for (const std::string& way : {kWays[0], kWays[2], kWays[3]}) {
-    EXPECT_EQ(run(SceneBuilder(b).output("C.position").time(0, 3, 1).build(), way).status.code, Code::limit_reached);
+    EXPECT_EQ(run(SceneBuilder(b).output("C.position").time(0, 3, 1).build(), way).status.code, Code::fold);
   }
 }
 

@@ -324,10 +324,10 @@ TEST(Certificate, CertifiesEachRowOfARun) {
 
 TEST(Certificate, FailsForOtherStepLimits) {
   const Prepared prepared = prepare(sample("stewart").with_time({0, 0.1, 0.01}), {"groups/eigen+predict=taylor:0", {}});
-  StepLimits limits;
-  limits.iterations = 1;  // too few to converge
-  const Trajectory trajectory = Simulator(prepared, limits).run();
-  for (const Certificate& c : certify(prepared, trajectory, limits)) EXPECT_EQ(c.why_not, "") << c.time;
+  StepSettings settings;
+  settings.iterations = 1;  // too few to converge
+  const Trajectory trajectory = Simulator(prepared, settings).run();
+  for (const Certificate& c : certify(prepared, trajectory, settings)) EXPECT_EQ(c.why_not, "") << c.time;
   const std::vector<Certificate> others = certify(prepared, trajectory);
   EXPECT_EQ(others.front().why_not, "");
   EXPECT_NE(others.back().why_not, "");

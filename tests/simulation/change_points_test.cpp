@@ -317,7 +317,7 @@ TEST(ChangePoints, AreNoFolds) {
   for (const std::string& strategy : strategies()) {
     SCOPED_TRACE(strategy);
     const test::Result r = test::run(scene, strategy);
-    EXPECT_EQ(r.report().status.code, Code::limit_reached);
+    EXPECT_EQ(r.report().status.code, Code::fold);
     ASSERT_FALSE(r.report().events.empty());
     EXPECT_NEAR(r.report().events.back().time, 1, 1e-8);
     EXPECT_GE(r.report().events.back().until, 1);

@@ -143,7 +143,7 @@ TEST(Control, AnImpossibleCommandKeepsTheLastPosture) {
     const double before = s.time();
     s.set("motor", 2.5);
     const Status failed = s.step();
-    EXPECT_EQ(failed.code, Code::limit_reached);
+    EXPECT_EQ(failed.code, Code::fold);
     EXPECT_EQ(s.report().status.code, failed.code);
     // The simulator stops at a posture on the way, and the outputs belong to this posture.
     EXPECT_GE(s.time(), before);
@@ -239,7 +239,7 @@ TEST(Control, AFailedFirstCommandReturnsToTheLaw) {
                           .build();
   Simulator s = test::simulator(scene, "groups/eigen", {}, {"motor"});
   s.set("motor", 2.5);
-  EXPECT_EQ(s.step().code, Code::limit_reached);
+  EXPECT_EQ(s.step().code, Code::fold);
   ASSERT_TRUE(s.step().ok());
   EXPECT_NEAR(s.output("angle"), 0.5 + s.time(), 8 * kEps);
 }
@@ -320,7 +320,7 @@ TEST(Control, AllWorkOfACallSharesItsDeadline) {
     const Status status = s.step();
     EXPECT_EQ(test::allocations(), allocated);
     EXPECT_LE(s.report().counters.group_solutions - before, limit + 1);
-    EXPECT_TRUE(status.code == Code::deadline || status.code == Code::limit_reached) << name(status.code);
+    EXPECT_TRUE(status.code == Code::deadline || status.code == Code::fold) << name(status.code);
     ++(status.code == Code::deadline ? late : ended);
     EXPECT_EQ(s.time(), twin.time());
     EXPECT_TRUE(std::ranges::equal(s.outputs(), twin.outputs()));
@@ -353,12 +353,12 @@ TEST(Control, TheTimeOfALimitIsThatOfTheFirstTry) {
     s.set("motor", angle, 1.3);
     status = s.step();
   }
-  ASSERT_EQ(status.code, Code::limit_reached);
+  ASSERT_EQ(status.code, Code::fold);
   ASSERT_EQ(s.report().events.size(), 1u);
   for (const double overshoot : {0.0, 0.3}) {  // another command fails at another time
     if (overshoot > 0) {
       s.set("motor", s.output("angle") + overshoot, 0);
-      EXPECT_EQ(s.step().code, Code::limit_reached);
+      EXPECT_EQ(s.step().code, Code::fold);
       ASSERT_EQ(s.report().events.size(), 1u);
     }
     const Event& e = s.report().events.back();
@@ -382,7 +382,7 @@ TEST(Control, StatusesSayWhichDriverOrQuantity) {
   Simulator s = test::simulator(stops, "groups/eigen", {}, {"motor"});
   s.set("motor", 1.1);
   const Status stopped = s.step();
-  EXPECT_EQ(stopped.code, Code::stop_reached);
+  EXPECT_EQ(stopped.code, Code::limit_reached);
   EXPECT_EQ(stopped.where, Place::limit(1));
   EXPECT_EQ(stopped.figure, 0.9);
   EXPECT_EQ(s.name_of(stopped.where), "angle");

@@ -140,7 +140,7 @@ TEST(Ensemble, RefusesInvalidArguments) {
   EXPECT_NE(refusal([] { (void)Ensemble(1, prepared(four_bar, "groups/eigen"), {0, 0, 0}); }), "");
   EXPECT_NE(refusal([] {
               (void)Ensemble(1, prepared(four_bar, "groups/eigen"), {0, 12, 1});
-            }).find("StepLimits::seconds"),
+            }).find("StepSettings::seconds"),
             std::string::npos);
   Ensemble e = ensemble(2, four_bar);
   EXPECT_NE(refusal([&] { (void)e.run(std::vector<double>{}); }), "");
@@ -200,7 +200,7 @@ TEST(Ensemble, FixedIterationsEqualThoseOfASimulator) {
 TEST(Ensemble, PinsItsThreads) {
   const std::vector<std::int32_t> cores = this_machine().cores;
   if (cores.size() < 2) GTEST_SKIP() << "one core";
-  StepLimits pinned;
+  StepSettings pinned;
   pinned.pin_to = {cores[0], cores[1]};
   expect_same_bits(Ensemble(11, prepared(four_bar, "groups/eigen:2 2x1"), pinned).run(),
                    ensemble(11, four_bar, "groups/eigen:2 2x1").run());
@@ -235,11 +235,11 @@ TEST(Ensemble, AnObserverIsCalledForEveryRowAndStops) {
       EXPECT_EQ(of, 7 * 61);
       EXPECT_GT(done, heard);
       heard = done;
-      return true;
+      return false;
     });
     EXPECT_EQ(heard, 7 * 61);
 
-    const EnsembleTrajectory some = e.run([](std::int64_t done, std::int64_t) { return done < 100; });
+    const EnsembleTrajectory some = e.run([](std::int64_t done, std::int64_t) { return done >= 100; });
     EXPECT_EQ(e.report().status.code, Code::interrupted);
     std::size_t rows = 0;
     for (std::size_t i = 0; i < 7; ++i) {
@@ -267,7 +267,7 @@ TEST(Ensemble, AnObserverStopsMembersOfAnotherStructure) {
   // Stops the member alone in its structure, the two that share one, and the first.
   for (const auto& [most, rows] : std::vector<std::pair<std::int64_t, std::vector<std::size_t>>>{
            {350, {101, 101, 101, 47}}, {150, {101, 25, 25, 0}}, {50, {50, 0, 0, 0}}}) {
-    const EnsembleTrajectory all = e.run([most = most](std::int64_t done, std::int64_t) { return done < most; });
+    const EnsembleTrajectory all = e.run([most = most](std::int64_t done, std::int64_t) { return done >= most; });
     for (std::size_t i = 0; i < 4; ++i) {
       EXPECT_EQ(all.rows(i), rows[i]) << most << " " << i;
       EXPECT_EQ(e.outcomes()[i].status.code, rows[i] == 101 ? Code::ok : Code::interrupted) << most << " " << i;

@@ -174,7 +174,7 @@ TEST(EnsembleSummary, AnObserverStops) {
   Ensemble e = ensemble(4, four_bar, "groups/lanes:4");
   const EnsembleSummary summary = e.summarize({"B1.x"}, [](std::int64_t done, std::int64_t of) {
     EXPECT_EQ(of, 4 * 61);
-    return done < 40;
+    return done >= 40;
   });
   EXPECT_EQ(e.report().status.code, Code::interrupted);
   for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(summary.rows(i), 10u);

@@ -80,7 +80,7 @@ TEST(Ensemble, AMemberAtItsLimitDoesNotStopTheOthers) {
     int limited = 0;
     for (std::size_t i = 0; i < 11; ++i) {
       if (i == 3) continue;
-      limited += e.outcomes()[i].status.code == Code::limit_reached ? 1 : 0;
+      limited += e.outcomes()[i].status.code == Code::fold ? 1 : 0;
       expect_member(e, all, i, partly_limited(i), strategy);
       EXPECT_EQ(e.outcomes()[i].alone, !e.outcomes()[i].status.ok()) << strategy << " " << i;
     }
@@ -216,7 +216,7 @@ TEST(Ensemble, MembersOfAnotherStructureShareLanes) {
       EXPECT_EQ(of, 6 * 101);
       EXPECT_GE(done, heard);
       heard = done;
-      return true;
+      return false;
     });
     EXPECT_EQ(heard, 6 * 101);
     for (std::size_t i = 0; i < 6; ++i) {

@@ -349,11 +349,11 @@ TEST(FailedCommands, MayBeLateOrInterrupted) {
     for (const bool to_time : {true, false}) {
       SCOPED_TRACE(std::string(late ? "deadline" : "interrupted") + (to_time ? ", step(t)" : ""));
       bool stops = false;
-      StepLimits limits;
-      if (late) limits.seconds = 1e-9;
-      if (!late) limits.stop = [&] { return stops; };
+      StepSettings settings;
+      if (late) settings.seconds = 1e-9;
+      if (!late) settings.stop = [&] { return stops; };
       const Prepared prepared = prepare(slow_four_bar(), {.strategy = "groups/eigen", .controlled = {"motor"}});
-      Simulator s(prepared, limits), twin(prepared);
+      Simulator s(prepared, settings), twin(prepared);
       stops = true;
       s.set("motor", -3, 1);
       EXPECT_EQ((to_time ? s.step(0.01) : s.step()).code, late ? Code::deadline : Code::interrupted);

@@ -33,7 +33,7 @@ TEST(Folds, DifferFromNearlySingularPostures) {
   for (const int steps : {5, 10, 20, 30, 50, 1000}) {
     SCOPED_TRACE(steps);
     const test::Result r = test::run(over(scene, 4.3032, steps), "irreducible/eigen");
-    EXPECT_EQ(r.report().status.code, Code::limit_reached);
+    EXPECT_EQ(r.report().status.code, Code::fold);
     ASSERT_FALSE(r.report().events.empty());
     const Event& e = r.report().events.back();
     EXPECT_NEAR(e.time, 0.25187, 0.00001);
@@ -87,9 +87,9 @@ TEST(Folds, DoNotDependOnTheTimeGrid) {
         const test::Result r = test::run(scene, "irreducible/eigen");
         const Code code = r.report().status.code;
         arrived += r.report().status.arrived() ? 1 : 0;
-        limits += code == Code::limit_reached ? 1 : 0;
-        others += !r.report().status.arrived() && code != Code::limit_reached ? 1 : 0;
-        if (code != Code::limit_reached) continue;
+        limits += code == Code::fold ? 1 : 0;
+        others += !r.report().status.arrived() && code != Code::fold ? 1 : 0;
+        if (code != Code::fold) continue;
         const Event fold = test::events(r.report()).back();
         until = std::min(until, fold.until);
         from = std::max(from, fold.time);
@@ -118,7 +118,7 @@ TEST(Folds, CloseToACuspAreFound) {
     test::Draw draw(737);
     const Scene scene = test::chain_with_triad(draw, steps);
     const test::Result r = test::run(scene, "irreducible/eigen");
-    EXPECT_EQ(r.report().status.code, Code::limit_reached);
+    EXPECT_EQ(r.report().status.code, Code::fold);
     const Event fold = test::events(r.report()).back();
     EXPECT_LE(fold.until - fold.time, 1e-10 * scene.time().end);
   }
@@ -130,7 +130,7 @@ TEST(Folds, LongStepsAlongANearlySingularStretch) {
     SCOPED_TRACE(steps);
     test::Draw draw(1727);
     const test::Result r = test::run(test::chain_with_triad(draw, steps), "irreducible/eigen");
-    EXPECT_EQ(r.report().status.code, Code::limit_reached);
+    EXPECT_EQ(r.report().status.code, Code::fold);
     EXPECT_NEAR(r.report().reached, 0.70944, 0.00001);
   }
 }

@@ -40,8 +40,8 @@ int threads_of(const Prepared& p) {
   return Levels(p, layout, {}).threads();
 }
 
-Result run(const Prepared& p, StepLimits limits = {}) {
-  Simulator s(p, limits);
+Result run(const Prepared& p, StepSettings settings = {}) {
+  Simulator s(p, settings);
   Trajectory t = s.run();
   return {std::move(s), std::move(t)};
 }
@@ -123,7 +123,7 @@ TEST(Levels, NameTheFirstOfSeveralFailedGroups) {
       expect_no_bit_to_change(scene, solver);
       if (!can_run(solver)) continue;
       const Result r = run(prepared(scene, solver, 3));
-      EXPECT_EQ(r.report().status.code, Code::limit_reached);
+      EXPECT_EQ(r.report().status.code, Code::fold);
       ASSERT_EQ(r.report().events.size(), 1u);
       EXPECT_EQ(r.report().events[0].group, "C" + std::to_string(*ending.begin())) << solver;
       EXPECT_LE(r.report().events[0].time, std::acos(0.04) - 0.5);

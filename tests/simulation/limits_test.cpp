@@ -37,12 +37,12 @@ Limit slider_crank() {
 void expect_limit(const Limit& limit, const std::string& strategy) {
   SCOPED_TRACE(limit.name + " " + strategy);
   const Result r = test::run(limit.scene, strategy);
-  EXPECT_EQ(r.report().status.code, Code::limit_reached);
+  EXPECT_EQ(r.report().status.code, Code::fold);
   ASSERT_EQ(r.report().events.size(), 1u);
   const Event& e = r.report().events[0];
   EXPECT_TRUE(r.report().status.where.is(Place::Kind::group));
   EXPECT_EQ(r.simulator.prepared().structure->name_of(r.report().status.where), e.group);
-  EXPECT_EQ(e.kind, Code::limit_reached);
+  EXPECT_EQ(e.kind, Code::fold);
   EXPECT_LE(e.time, limit.time);
   EXPECT_GE(e.until, limit.time);
   EXPECT_LE(e.until - e.time, 1e-12);
@@ -97,7 +97,7 @@ TEST(Limit, IsReachedByAnglesWithoutAJump) {
                           .build();
   Simulator s = test::simulator(scene, "groups/eigen");
   const Trajectory rows = s.run();
-  ASSERT_EQ(s.report().status.code, Code::limit_reached);
+  ASSERT_EQ(s.report().status.code, Code::fold);
   const std::size_t rocker = rows.index("swing");
   // In the last step the rocker turns by about the square root of the remaining crank angle.
   EXPECT_NEAR(s.output("swing"), rows(rows.rows() - 1, rocker), 0.3);
@@ -128,7 +128,7 @@ TEST(Limit, IsFoundBackwards) {
   const Limit limit = four_bar();
   Simulator s = test::simulator(limit.scene, "groups/eigen");
   // The crank turns back through 0 to the limit on the other side.
-  EXPECT_EQ(s.step(-2.1).code, Code::limit_reached);
+  EXPECT_EQ(s.step(-2.1).code, Code::fold);
   ASSERT_EQ(s.report().events.size(), 1u);
   const double mirrored = -std::acos(0.04) - 0.5;
   EXPECT_GE(s.report().events[0].time, mirrored);
@@ -231,11 +231,11 @@ TEST(Limit, AStepMayTakeTensOfThousandsOfAttempts) {
     s.set(legs[i], std::get<DrivenDistance>(scene.drivers()[i].kind).law(0).value + by[i]);
   }
   const Status status = s.step(1);
-  EXPECT_EQ(status.code, Code::limit_reached);
+  EXPECT_EQ(status.code, Code::fold);
   EXPECT_GT(s.report().counters.rejected, 10000);
   EXPECT_GT(s.time(), 0);
   ASSERT_EQ(s.report().events.size(), 1U);
-  EXPECT_EQ(s.report().events[0].kind, Code::limit_reached);
+  EXPECT_EQ(s.report().events[0].kind, Code::fold);
 }
 
 }  // namespace

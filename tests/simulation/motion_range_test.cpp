@@ -19,7 +19,7 @@ namespace {
 constexpr double kDegree = kTurn / 360;
 
 void expect_fold(const RangeEnd& end, double value, double size) {
-  EXPECT_EQ(end.code, Code::limit_reached);
+  EXPECT_EQ(end.code, Code::fold);
   EXPECT_LE(std::min(end.reached, end.beyond), value);
   EXPECT_GE(std::max(end.reached, end.beyond), value);
   EXPECT_LE(std::abs(end.beyond - end.reached), 1e-12 * size);

@@ -91,7 +91,7 @@ TEST(Bricard, EndsAtItsFold) {
   for (const std::string strategy : {"groups/eigen", "irreducible/lanes"}) {
     SCOPED_TRACE(strategy);
     const Result r = test::run(scene, strategy);
-    EXPECT_EQ(r.report().status.code, Code::limit_reached);
+    EXPECT_EQ(r.report().status.code, Code::fold);
     ASSERT_EQ(r.report().events.size(), 1u);
     const Event& e = r.report().events[0];
     // 90 + 120.1 sin(t - asin(90 / 120.1)) = 210 degrees

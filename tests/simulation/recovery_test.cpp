@@ -36,7 +36,7 @@ TEST(Recovery, ADeltaRobotReturnsFromItsLimit) {
           s.set("pose.z", z);
           status = s.step();
         }
-        EXPECT_EQ(status.code, Code::limit_reached);
+        EXPECT_EQ(status.code, Code::fold);
         const double lowest = std::max({robot.lowest(0, x), robot.lowest(1, x), robot.lowest(2, x)});
         EXPECT_LT(z, lowest);
         EXPECT_GE(z, lowest - down);
@@ -216,7 +216,7 @@ TEST(Recovery, SavesReselectedEquations) {
   for (double z = robot.home; z > lowest + 1e-3; z -= 0.004) ASSERT_TRUE(move(s, z).arrived());
   const SimulatorState low = s.save();
   const std::vector<double> row = row_of(s);
-  EXPECT_EQ(move(s, lowest - 1e-3).code, Code::limit_reached);
+  EXPECT_EQ(move(s, lowest - 1e-3).code, Code::fold);
   EXPECT_EQ(row_of(s), row);
   Simulator other(prepared);
   for (Simulator* of : {&s, &other}) {
@@ -244,7 +244,7 @@ TEST(Recovery, RetreatsToAReachablePosture) {
     EXPECT_EQ(s.time(), 0);
     Status status;
     for (int k = 1; status.arrived(); ++k) status = s.step(0.01 * k);
-    ASSERT_EQ(status.code, Code::limit_reached);
+    ASSERT_EQ(status.code, Code::fold);
     const double limit = std::acos(0.04) - 0.5, there = s.time();
     EXPECT_NEAR(there, limit, 1e-6);
     s.retreat();
@@ -273,7 +273,7 @@ TEST(Recovery, OvershootingDriversStopAtOnce) {
   }
   const std::vector<double> row = row_of(s);
   s.set("motor", limit + 0.05, 5);
-  EXPECT_EQ(s.step().code, Code::limit_reached);
+  EXPECT_EQ(s.step().code, Code::fold);
   EXPECT_EQ(row_of(s), row);
   const std::size_t events = s.report().events.size();
   s.set("motor", limit - 0.04);

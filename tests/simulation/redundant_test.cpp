@@ -230,6 +230,32 @@ TEST(Redundant, SetsThatAreKnownNeedNoAnalysis) {
   }
 }
 
+// Simulators of a motion that was rehearsed know its sets, and give the same bits as others.
+TEST(Redundant, RehearsedSetsNeedNoAnalysis) {
+  for (const std::string file : {"bricard_joints", "goldberg", "delta"}) {
+    const Scene scene = read_scene(ASSUR_SOURCE_DIR "/scenes/" + file + ".json");
+    const Prepared prepared = prepare(scene, {.strategy = "irreducible/lanes"});
+    Prepared rehearsed = rehearse(prepared);
+    EXPECT_EQ(rehearsed.other_sets.empty(), file == "delta") << file;  // whose first set serves
+    int analyses = 0;
+    rehearsed.reselect = [&](std::vector<double> at, double time, std::vector<std::int32_t> checked) {
+      ++analyses;
+      return prepared.reselect(std::move(at), time, std::move(checked));
+    };
+    Simulator known(rehearsed), alone(prepared);
+    std::int64_t changes = 0;
+    const std::vector<std::int32_t>* checks = &known.prepared().structure->checks;
+    for (std::int64_t k = 0; k < scene.time().steps(); ++k) {
+      ASSERT_TRUE(known.step().ok() && alone.step().ok()) << file;
+      ASSERT_TRUE(std::equal(known.outputs().begin(), known.outputs().end(), alone.outputs().begin())) << file;
+      changes +=
+          std::exchange(checks, &known.prepared().structure->checks) != &known.prepared().structure->checks ? 1 : 0;
+    }
+    EXPECT_EQ(changes > 0, file != "delta") << file;
+    EXPECT_EQ(analyses, 0) << file;
+  }
+}
+
 // Another set of equations does not ask the performance model again: the solvers are those of the first set.
 TEST(Redundant, AnotherSetKeepsThePlan) {
   const Scene scene = read_scene(ASSUR_SOURCE_DIR "/scenes/bricard_joints.json");

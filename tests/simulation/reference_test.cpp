@@ -210,9 +210,9 @@ TEST(ForwardError, AgreesWithTheClosedFormOfAFourBarChain) {
 TEST(ForwardError, FindsTheErrorOfTooFewIterations) {
   const Scene scene = sample("stewart").with_time({0, 0.5, 0.01});
   const Prepared prepared = prepare(scene, {"groups/eigen+predict=taylor:0", {}});
-  StepLimits limits;
-  limits.iterations = 1;
-  const Trajectory trajectory = Simulator(prepared, limits).run();
+  StepSettings settings;
+  settings.iterations = 1;
+  const Trajectory trajectory = Simulator(prepared, settings).run();
   const ForwardError found = forward_error(prepared, trajectory);
   EXPECT_GT(found.position, 1e-7);
   expect_about(found, deviation(prepared, trajectory, [&](double t) { return stewart(scene, t); }));

@@ -119,7 +119,7 @@ TEST(Rows, StreamOfSelectedRowsAndColumns) {
   EXPECT_THROW((void)simulator.stream({{}, 0}, none), Error);
   EXPECT_THROW((void)simulator.stream({}, RowSink()), Error);
   // An observer ends it, and a failure does.
-  EXPECT_EQ(simulator.stream({}, none, [](std::int64_t done, std::int64_t) { return done < 3; }), 3U);
+  EXPECT_EQ(simulator.stream({}, none, [](std::int64_t done, std::int64_t) { return done >= 3; }), 3U);
   EXPECT_EQ(simulator.report().status.code, Code::interrupted);
 }
 
@@ -143,16 +143,16 @@ TEST(Print, EveryValueHasAText) {
     out << value;
     return out.str();
   };
-  EXPECT_EQ(text(Code::limit_reached), "limit_reached");
+  EXPECT_EQ(text(Code::fold), "fold");
   EXPECT_EQ(text(Status()), "ok");
-  EXPECT_EQ(text(Status(Code::limit_reached, Place::group(2), 1.5)),
-            "the mechanism cannot move further (limit_reached), group 2, figure 1.5");
+  EXPECT_EQ(text(Status(Code::fold, Place::group(2), 1.5)),
+            "the mechanism cannot move further (fold), group 2, figure 1.5");
   EXPECT_EQ(text(TimeGrid{0, 1, 0.25}), "0 to 1 s by 0.25 s");
   EXPECT_EQ(text(Motion{1, 2, -0.5}), "1, rate 2, acceleration -0.5");
   EXPECT_EQ(text(ErrorFigures()), "nothing was measured");
   EXPECT_EQ(text(ForwardError{1e-15, 2e-14, ErrorFigures::kUnknown}), "position 1.0e-15, velocity 2.0e-14");
-  EXPECT_EQ(text(Event{1, 1.5, "C", Code::stop_reached, 2, "", "rad"}),
-            "t = 1 ... 1.5 s, limit of C: a limit of the scene ends the motion (stop_reached)");
+  EXPECT_EQ(text(Event{1, 1.5, "C", Code::limit_reached, 2, "", "rad"}),
+            "t = 1 ... 1.5 s, limit of C: a limit of the scene ends the motion (limit_reached)");
 
   const Scene scene = sample("four_bar:1").with_outputs({"rocker_angle"}).with_time({0, 1, 0.25});
   Simulator simulator = test::simulator(scene, "groups/eigen+predict=past:2", {}, {"motor"});

@@ -22,9 +22,9 @@ inline void PrintTo(Code code, std::ostream* out) { *out << name(code); }
 
 namespace assur::test {
 
-inline Simulator simulator(const Scene& scene, const std::string& strategy = "auto", StepLimits limits = {},
+inline Simulator simulator(const Scene& scene, const std::string& strategy = "auto", StepSettings settings = {},
                            std::vector<std::string> controlled = {}) {
-  return Simulator(prepare(scene, {strategy, std::move(controlled)}), limits);
+  return Simulator(prepare(scene, {strategy, std::move(controlled)}), settings);
 }
 
 // The solvers of this build: dense, and sparse if available.
@@ -63,8 +63,8 @@ inline Prepared prepare_in_turn(const Scene& scene, int i) {
   return all;
 }
 
-inline Result run(const Scene& scene, const std::string& strategy = "auto", StepLimits limits = {}) {
-  Simulator s = simulator(scene, strategy, limits);
+inline Result run(const Scene& scene, const std::string& strategy = "auto", StepSettings settings = {}) {
+  Simulator s = simulator(scene, strategy, settings);
   Trajectory t = s.run();
   return {std::move(s), std::move(t)};
 }

@@ -72,10 +72,10 @@ inline void expect_same_run(const Result& a, const Result& b) {
 }
 
 // Rows and report by machine code and without it. Returns the report.
-inline Report expect_same_by_code(const Scene& scene, const std::string& strategy, const StepLimits& limits = {}) {
+inline Report expect_same_by_code(const Scene& scene, const std::string& strategy, const StepSettings& settings = {}) {
   PrepareOptions by_code{.strategy = strategy}, without = by_code;
   without.machine_code = false;
-  Simulator a(prepare(scene, by_code), limits), b(prepare(scene, without), limits);
+  Simulator a(prepare(scene, by_code), settings), b(prepare(scene, without), settings);
   expect_same_rows(a.run(), b.run());
   expect_same_report(a.report(), b.report());
   return a.report();

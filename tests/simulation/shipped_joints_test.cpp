@@ -139,7 +139,7 @@ TEST(ShippedJoints, BricardEndsAtBothFolds) {
   for (const auto& [low, high, fold] : {std::array{-29.0, 210.1, 210.0}, std::array{-30.1, 209.0, -30.0}}) {
     const Scene scene = shipped("bricard_joints", {{"low", low}, {"high", high}});
     const Motion m(scene);
-    EXPECT_EQ(m.run.report().status.code, Code::limit_reached);
+    EXPECT_EQ(m.run.report().status.code, Code::fold);
     const std::vector<Event> events = test::events(m.run.report());
     ASSERT_FALSE(events.empty());
     const double middle = (high + low) / 2, swing = (high - low) / 2;

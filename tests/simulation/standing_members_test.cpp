@@ -104,9 +104,9 @@ TEST(StandingMembers, KeepTheirPostureInAllRows) {
 // Fixed iterations hold for all levels but the first.
 TEST(StandingMembers, AreAssembledIfIterationsAreFixed) {
   const FourBars table(20);
-  StepLimits limits;
-  limits.iterations = 1;
-  Ensemble e(standing_four_bar(), table.names, table.values, in_lanes(), limits);
+  StepSettings settings;
+  settings.iterations = 1;
+  Ensemble e(standing_four_bar(), table.names, table.values, in_lanes(), settings);
   const EnsembleTrajectory motion = e.run();
   for (std::size_t i = 0; i < 20; ++i) EXPECT_NEAR(motion(i, 0, 0), table.joint(i)[0], 1e-13);
 }

@@ -58,11 +58,11 @@ TEST(Stops, EndAMotionWhereTheClosedFormReachesTheBound) {
     const Scene scene = pump().limit("S.displacement", -0.8, HUGE_VAL).build();  // no output names it
     const test::Result r = test::run(scene, strategy);
     const double end = angle_at(kCrank + kRod - 0.8);
-    EXPECT_EQ(r.report().status.code, Code::stop_reached);
+    EXPECT_EQ(r.report().status.code, Code::limit_reached);
     EXPECT_EQ(r.report().status.figure, -0.8);
     ASSERT_EQ(r.report().events.size(), 1u);
     const Event& e = r.report().events[0];
-    expect_event(e, Code::stop_reached, "S.displacement", end);
+    expect_event(e, Code::limit_reached, "S.displacement", end);
     EXPECT_LE(e.until - e.time, 16 * kEps * end);
     EXPECT_EQ(e.unit, "m");
     EXPECT_NE(e.detail.find("smallest allowed value is -0.8 m"), std::string::npos) << e.detail;
@@ -86,8 +86,8 @@ TEST(Stops, AreTheSameIfLevelsAreSolvedTogether) {
   const Scene scene = builder.build();
   const Report one = test::run(scene, "groups/eigen").report();
   const Report together = test::run(scene, "irreducible/lanes:4+together").report();
-  EXPECT_EQ(one.status.code, Code::stop_reached);
-  EXPECT_EQ(together.status.code, Code::stop_reached);
+  EXPECT_EQ(one.status.code, Code::limit_reached);
+  EXPECT_EQ(together.status.code, Code::limit_reached);
   ASSERT_GE(one.events.size(), 2u);
   ASSERT_EQ(together.events.size(), one.events.size());
   for (std::size_t i = 0; i < one.events.size(); ++i) {
@@ -130,8 +130,8 @@ TEST(Stops, HoldForMeasuresAndTheirSums) {
     return test::run(builder.limit(quantity, min, max).build()).report();
   };
   const auto ends = [&](const Report& report, const std::string& quantity, double time) {
-    ASSERT_EQ(report.status.code, Code::stop_reached);
-    expect_event(report.events.back(), Code::stop_reached, quantity, time);
+    ASSERT_EQ(report.status.code, Code::limit_reached);
+    expect_event(report.events.back(), Code::limit_reached, quantity, time);
   };
   ends(with("reach", 1.2, 9), "reach", angle_at(1.2));
   // B is above the x-axis, so that BC points down: lean = -asin(c sin a / l).
@@ -147,11 +147,11 @@ TEST(Stops, HoldForMeasuresAndTheirSums) {
 // The driver of a joint begins beyond half a turn; its law tells the whole turns.
 TEST(Stops, CountTurnsFromTheLawOfTheDriver) {
   const test::Result r = test::run(pump(5).limit("O.angle", -6, 6).build());
-  ASSERT_EQ(r.report().status.code, Code::stop_reached);
-  expect_event(r.report().events[0], Code::stop_reached, "O.angle", 1);
+  ASSERT_EQ(r.report().status.code, Code::limit_reached);
+  expect_event(r.report().events[0], Code::limit_reached, "O.angle", 1);
   const test::Result back = test::run(pump(5, -1).limit("O.angle", -4, 6).build());
-  ASSERT_EQ(back.report().status.code, Code::stop_reached);
-  expect_event(back.report().events[0], Code::stop_reached, "O.angle", 9);
+  ASSERT_EQ(back.report().status.code, Code::limit_reached);
+  expect_event(back.report().events[0], Code::limit_reached, "O.angle", 9);
 }
 
 // An angle that no law gives begins within its limit if whole turns bring it there.
@@ -159,8 +159,8 @@ TEST(Stops, BeginWithinTheLimitByWholeTurns) {
   SceneBuilder builder = pump(0.5);
   builder.measure("direction", AbsoluteAngle{"O", "B"});
   const test::Result r = test::run(builder.limit("direction", 6, 8).build());
-  ASSERT_EQ(r.report().status.code, Code::stop_reached);
-  expect_event(r.report().events[0], Code::stop_reached, "direction", 8 - kTurn - 0.5);
+  ASSERT_EQ(r.report().status.code, Code::limit_reached);
+  expect_event(r.report().events[0], Code::limit_reached, "direction", 8 - kTurn - 0.5);
 }
 
 // With one bound, or with bounds more than a turn apart, any number of turns might be meant.
@@ -200,8 +200,8 @@ TEST(Stops, FindExcursionsWithinOneStep) {
       expect_event(flagged.events[0], Code::limit_exceeded, "way", peak - half, width + kRounding);
       expect_event(flagged.events[1], Code::within_limits, "way", peak + half, width + kRounding);
       const test::Result ended = test::run(slider(1 + above, phase, 1, Limit::Reaction::end));
-      ASSERT_EQ(ended.report().status.code, Code::stop_reached);
-      expect_event(ended.report().events[0], Code::stop_reached, "way", peak - half, width + kRounding);
+      ASSERT_EQ(ended.report().status.code, Code::limit_reached);
+      expect_event(ended.report().events[0], Code::limit_reached, "way", peak - half, width + kRounding);
       EXPECT_LE(ended.simulator.output("way"), 1 + 1e-13);
       EXPECT_TRUE(test::run(slider(1 - above, phase, 1, Limit::Reaction::end)).report().status.ok()) << above;
     }
@@ -238,7 +238,7 @@ TEST(Stops, EndTheRangeOfADriver) {
   const MotionRange range = motion_range(scene);
   const double end = angle_at(kCrank + kRod - 0.8);
   for (const auto& [side, value] : {std::pair{range.low, -end}, {range.high, end}}) {
-    EXPECT_EQ(side.code, Code::stop_reached);
+    EXPECT_EQ(side.code, Code::limit_reached);
     EXPECT_EQ(side.group, "S.displacement");
     EXPECT_NEAR(side.reached, value, kRounding);
     EXPECT_NEAR(side.beyond, value, kRounding);
@@ -264,10 +264,10 @@ TEST(Stops, StopAControlledDriverUntilItTurnsBack) {
   s.set("motor", 0.45, 0);
   ASSERT_TRUE(s.step().ok());
   s.set("motor", 0.7, 0);
-  EXPECT_EQ(s.step().code, Code::stop_reached);
+  EXPECT_EQ(s.step().code, Code::limit_reached);
   EXPECT_DOUBLE_EQ(s.time(), 0.01);  // as it was before the step
   s.set("motor", 0.7, 0);
-  EXPECT_EQ(s.step(0.02).code, Code::stop_reached);  // stays at the limit
+  EXPECT_EQ(s.step(0.02).code, Code::limit_reached);  // stays at the limit
   EXPECT_LT(s.time(), 0.02);
   EXPECT_NEAR(std::atan2(s.output("C.y"), s.output("C.x")), 0, 1e-15);
   EXPECT_NEAR(s.output("C.x"), piston(0.5), 1e-14);
@@ -275,7 +275,7 @@ TEST(Stops, StopAControlledDriverUntilItTurnsBack) {
   ASSERT_TRUE(s.step().ok());
   EXPECT_NEAR(s.output("C.x"), piston(0.3), 1e-14);
   // Events of steps that were undone are forgotten, those of the motion are kept.
-  EXPECT_EQ(s.report().events.back().kind, Code::stop_reached);
+  EXPECT_EQ(s.report().events.back().kind, Code::limit_reached);
 }
 
 TEST(Stops, ContinueASavedState) {
@@ -283,10 +283,10 @@ TEST(Stops, ContinueASavedState) {
   Simulator s(prepare(scene));
   ASSERT_TRUE(s.step(6.5).ok());
   const SimulatorState state = s.save();
-  EXPECT_EQ(s.step(8).code, Code::stop_reached);
+  EXPECT_EQ(s.step(8).code, Code::limit_reached);
   EXPECT_NEAR(s.time(), 7, kRounding);
   s.restore(state);
-  EXPECT_EQ(s.step(9).code, Code::stop_reached);
+  EXPECT_EQ(s.step(9).code, Code::limit_reached);
   EXPECT_NEAR(s.time(), 7, kRounding);
 }
 
@@ -324,10 +324,10 @@ TEST(Stops, AreKeptBySavedPlans) {
             prepare(pump().limit("S.displacement", -0.8, 3).limit("O.angle", -1, 1, kFlag).build(), {"groups/eigen"}));
   Simulator s(load_plan(file));
   (void)s.run();
-  EXPECT_EQ(s.report().status.code, Code::stop_reached);
+  EXPECT_EQ(s.report().status.code, Code::limit_reached);
   ASSERT_EQ(s.report().events.size(), 2u);
   expect_event(s.report().events[0], Code::limit_exceeded, "O.angle", 1);
-  expect_event(s.report().events[1], Code::stop_reached, "S.displacement", angle_at(kCrank + kRod - 0.8));
+  expect_event(s.report().events[1], Code::limit_reached, "S.displacement", angle_at(kCrank + kRod - 0.8));
 }
 
 // Members have their own bounds. Those that end do so alone; those that are flagged stay in lanes.
@@ -353,9 +353,9 @@ TEST(Stops, EndMembersOfAnEnsembleOneByOne) {
         EXPECT_EQ(motion.rows(i), 201u);
       } else {
         const double end = angle_at(kCrank + kRod + bounds[i]);
-        EXPECT_EQ(outcome.status.code, Code::stop_reached);
+        EXPECT_EQ(outcome.status.code, Code::limit_reached);
         EXPECT_EQ(motion.rows(i), static_cast<std::size_t>(std::floor(end / 0.05)) + 1);
-        expect_event(outcome.events.back(), Code::stop_reached, "S.displacement", end);
+        expect_event(outcome.events.back(), Code::limit_reached, "S.displacement", end);
       }
       const bool is_flagged = bounds[i] < -1 || angle_at(kCrank + kRod + bounds[i]) > 0.75;
       EXPECT_EQ(outcome.events.front().kind == Code::limit_exceeded, is_flagged);
@@ -367,7 +367,7 @@ TEST(Stops, EndMembersOfAnEnsembleOneByOne) {
 TEST(Stops, AreFollowedStepByStepInsteadOfInChunks) {
   const Scene scene = pump().limit("S.displacement", -0.8, HUGE_VAL).build();
   const test::Result r = test::run(scene, "groups/lanes:4+chunks=4");
-  EXPECT_EQ(r.report().status.code, Code::stop_reached);
+  EXPECT_EQ(r.report().status.code, Code::limit_reached);
   ASSERT_FALSE(r.report().fallbacks.empty());
   EXPECT_EQ(r.report().fallbacks.front(), "no chunks: limits are followed from step to step");
 }
@@ -381,12 +381,12 @@ TEST(Stops, TellEventsInTheirOrder) {
   ASSERT_EQ(report.events.size(), 3u);
   expect_event(report.events[0], Code::limit_exceeded, "softer", 0.7);
   expect_event(report.events[1], Code::limit_exceeded, "soft", 0.8);
-  expect_event(report.events[2], Code::stop_reached, "O.angle", 0.9);
+  expect_event(report.events[2], Code::limit_reached, "O.angle", 0.9);
 }
 
 TEST(Stops, FollowBackwardMotions) {
   Simulator s(prepare(pump().limit("O.angle", -1, 1).build()));
-  EXPECT_EQ(s.step(-3).code, Code::stop_reached);
+  EXPECT_EQ(s.step(-3).code, Code::limit_reached);
   EXPECT_NEAR(s.time(), -1, kRounding);
   EXPECT_TRUE(s.step(0.5).ok());
 }

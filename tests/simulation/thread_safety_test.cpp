@@ -100,7 +100,7 @@ TEST(ThreadSafety, ASimulatorThatFailsDoesNotDisturbItsNeighbour) {
   const Result alone[2] = {run(good), run(bad)};
   std::optional<Result> side_by_side[2];
   in_two_threads([&](int rank) { side_by_side[rank].emplace(run(rank == 0 ? good : bad)); });
-  EXPECT_EQ(alone[1].report().status.code, Code::limit_reached);
+  EXPECT_EQ(alone[1].report().status.code, Code::fold);
   for (int rank = 0; rank < 2; ++rank) test::expect_same_run(alone[rank], *side_by_side[rank]);
 }
 

@@ -15,8 +15,8 @@ namespace {
 
 using test::Result;
 
-Simulator simulator(const Scene& scene, const std::string& strategy, StepLimits limits = {}) {
-  return Simulator(prepare(scene, {strategy, {}, ThreadBudget{4}}), limits);
+Simulator simulator(const Scene& scene, const std::string& strategy, StepSettings settings = {}) {
+  return Simulator(prepare(scene, {strategy, {}, ThreadBudget{4}}), settings);
 }
 
 Result run(const Scene& scene, const std::string& strategy) {
@@ -197,7 +197,7 @@ TEST(TimeChunks, PassChangePoints) {
 TEST(TimeChunks, EndAtALimitAsInSequence) {
   const Scene scene = test::limited_four_bar(Law::polynomial({0.5, 1})).time(0, 2, 0.01).build();
   const Sequence in_sequence(scene);
-  ASSERT_EQ(in_sequence.result.report().status.code, Code::limit_reached);
+  ASSERT_EQ(in_sequence.result.report().status.code, Code::fold);
   for (const int chunks : {2, 3, 7, 16}) {
     SCOPED_TRACE(chunks);
     const Result r = run(scene, text("groups/eigen", 4, chunks));
@@ -224,7 +224,7 @@ Scene swinging(int beyond) {
 TEST(TimeChunks, ALimitWithinAChunkEndsTheRun) {
   for (const int beyond : {0, 1, 2, 3}) {
     const Sequence in_sequence(swinging(beyond));
-    ASSERT_EQ(in_sequence.result.report().status.code, Code::limit_reached);
+    ASSERT_EQ(in_sequence.result.report().status.code, Code::fold);
     for (const int lanes : {1, 2, 4}) {
       SCOPED_TRACE(std::to_string(beyond) + " " + text("groups/eigen", lanes, 4));
       Result r = run(in_sequence.scene, text("groups/eigen", lanes, 4));
@@ -376,11 +376,11 @@ TEST(TimeChunks, AnObserverIsCalledForEveryRowAndStops) {
         EXPECT_GE(done, heard);
         EXPECT_LE(done, of);
         heard = done;
-        return true;
+        return false;
       });
       EXPECT_EQ(heard, 101);
       for (const std::int64_t stop : {1, 20, 34, 50, 75, 100}) {
-        const Trajectory some = s.run([&](std::int64_t done, std::int64_t) { return done < stop; });
+        const Trajectory some = s.run([&](std::int64_t done, std::int64_t) { return done >= stop; });
         EXPECT_EQ(s.report().status.code, Code::interrupted) << stop;
         ASSERT_GE(some.rows(), 1u);
         ASSERT_LT(some.rows(), 101u);
@@ -401,7 +401,7 @@ TEST(TimeChunks, RunInSequenceAndExplainWhyIfImpossible) {
   const Scene scene = four_bar(1);
   Simulator timed = simulator(scene, "groups/eigen:4+chunks=4", {0, 12, 10});
   EXPECT_EQ(timed.run().values(), run(scene, "groups/eigen").trajectory.values());
-  EXPECT_TRUE(mentions(timed.report().fallbacks, "no chunks: StepLimits::seconds"));
+  EXPECT_TRUE(mentions(timed.report().fallbacks, "no chunks: StepSettings::seconds"));
 }
 
 struct Broken {};

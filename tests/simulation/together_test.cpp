@@ -226,7 +226,7 @@ TEST(Together, ReportsTheFoldAndTheAttemptsLevelAfterLevel) {
   const Scene scene = test::limited_four_bar(Law::polynomial({0.5, 1})).time(0, 2, 0.01).build();
   expect_the_same_run(scene, kTogether, kLevels);
   const Result r = test::run(scene, kTogether);
-  EXPECT_EQ(r.report().status.code, Code::limit_reached);
+  EXPECT_EQ(r.report().status.code, Code::fold);
   EXPECT_TRUE(solved_level_after_level(r));
 }
 

@@ -65,7 +65,7 @@ TEST(Trajectory, TouchesItsMemoryBeforeTheRun) {
   std::vector<long> at(2000);
   const Trajectory motion = simulator.run([&](std::int64_t done, std::int64_t) {
     at[static_cast<std::size_t>(done)] = faults();
-    return true;
+    return false;
   });
   ASSERT_EQ(motion.rows(), 1001u);
   ASSERT_GT(motion.columns().size() * motion.rows() * sizeof(double), 800u * 4096u);
@@ -180,7 +180,7 @@ TEST(Trajectory, AcceptsOwnTimesAndAnObserverThatStops) {
   const Trajectory stopped = s.run([&](std::int64_t done, std::int64_t of) {
     EXPECT_EQ(of, 11);
     seen.push_back(done);
-    return done < 4;
+    return done >= 4;
   });
   EXPECT_EQ(seen, (std::vector<std::int64_t>{1, 2, 3, 4}));
   ASSERT_EQ(stopped.rows(), 4u);

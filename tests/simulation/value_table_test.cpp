@@ -425,7 +425,7 @@ TEST(ValueTable, ObserverStopsIt) {
   (void)e.run([&](std::int64_t done, std::int64_t all) {
     EXPECT_GE(done, last);
     last = done, of = all;
-    return true;
+    return false;
   });
   EXPECT_EQ(last, 30 * 31);
   EXPECT_EQ(of, 30 * 31);
@@ -437,10 +437,10 @@ TEST(ValueTable, ObserverStopsIt) {
   (void)half.run([&](std::int64_t done, std::int64_t) {
     EXPECT_GE(done, last);
     last = done;
-    return true;
+    return false;
   });
   EXPECT_EQ(last, 15 * 31);
-  (void)e.run([&](std::int64_t done, std::int64_t) { return done < 100; });
+  (void)e.run([&](std::int64_t done, std::int64_t) { return done >= 100; });
   const auto interrupted = std::count_if(e.outcomes().begin(), e.outcomes().end(),
                                          [](const auto& o) { return o.status.code == Code::interrupted; });
   EXPECT_GT(interrupted, 20);

@@ -74,10 +74,10 @@ class WholeStepTest : public testing::Test {
     if (!step_code()) GTEST_SKIP() << "no machine code here";
     code_ = std::make_shared<CountingCode>(step_code());
   }
-  Simulator simulator(const Scene& scene, const std::string& strategy, const StepLimits& limits = {}) {
+  Simulator simulator(const Scene& scene, const std::string& strategy, const StepSettings& settings = {}) {
     Prepared prepared = prepare(scene, {.strategy = strategy});
     prepared.code = code_;
-    return Simulator(std::move(prepared), limits);
+    return Simulator(std::move(prepared), settings);
   }
   std::shared_ptr<CountingCode> code_;
 };
@@ -121,10 +121,10 @@ TEST_F(WholeStepTest, ServesLargerClasses) {
 TEST_F(WholeStepTest, LeavesWhatIsUnusualToTheGeneralPath) {
   const Scene scene = sample("slider_crank");
   EXPECT_EQ(test::expect_same_by_code(scene, "irreducible/lanes").counters.rejected, 0);
-  StepLimits few;
+  StepSettings few;
   few.most_iterations = 1;
   EXPECT_GT(test::expect_same_by_code(scene.with_time({0, 1, 0.02}), "irreducible/lanes", few).counters.rejected, 0);
-  StepLimits fixed;
+  StepSettings fixed;
   fixed.iterations = 3;
   EXPECT_TRUE(test::expect_same_by_code(scene, "irreducible/lanes", fixed).status.ok());
   const auto overflows = [](const std::string&, const Law&) {

@@ -13,9 +13,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array kVerdicts = {
-    "pass",         "refused",       "singular",     "not_finite",          "not_converged",  "inaccurate",
-    "inconsistent", "limit_reached", "out_of_range", "change_point_passed", "branch_unknown", "actuator_zero"};
+constexpr std::array kVerdicts = {"pass",           "refused",      "singular", "not_finite",   "not_converged",
+                                  "inaccurate",     "inconsistent", "fold",     "out_of_range", "change_point_passed",
+                                  "branch_unknown", "actuator_zero"};
 
 // Reads one case; every key must be known and of the right type.
 class Reader {
@@ -125,7 +125,7 @@ class Reader {
     return all;
   }
 
-  // "pass", ["inaccurate", "limit_reached"], or {"refused": "part of the message"}
+  // "pass", ["inaccurate", "fold"], or {"refused": "part of the message"}
   Expected expectation(const Json& json, const Case& c) const {
     Expected out;
     if (json.is_object() && json.size() == 1 && json.contains("refused")) {

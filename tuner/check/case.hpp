@@ -22,7 +22,7 @@ struct Expected {
   std::string message;            // part of the message of a refusal
 };
 
-// "pass", "inaccurate or limit_reached", "refused"
+// "pass", "inaccurate or fold", "refused"
 [[nodiscard]] std::string to_string(const Expected& expected);
 
 struct Case {
@@ -35,7 +35,7 @@ struct Case {
   std::optional<TimeGrid> time;
   std::vector<std::string> outputs;
   double accuracy = 0;                    // required accuracy; 0: none, with the limit kDoubtfulError
-  int iterations = 0;                     // StepLimits::iterations
+  int iterations = 0;                     // StepSettings::iterations
   std::vector<Formulation> formulations;  // empty: all
   std::vector<std::string> strategies;    // empty: all that can run it
   std::string closed_form;                // closed_forms.hpp; empty: that of the maker, else the reference in quad

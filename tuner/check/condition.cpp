@@ -64,7 +64,7 @@ std::optional<double> worst_condition(const Prepared& prepared, const std::funct
   const std::int64_t every = std::max<std::int64_t>(1, n * n * n * prepared.time.steps() / kWork);
   (void)simulator.run([&](std::int64_t done, std::int64_t of) {
     if (done % every == 0 || done == of) worst = std::max(worst, jacobian.condition(posture_of(simulator)));
-    return !stop();
+    return stop();
   });
   // The last posture may be the nearest to a singularity that ended the motion.
   worst = std::max(worst, jacobian.condition(posture_of(simulator)));

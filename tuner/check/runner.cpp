@@ -81,12 +81,12 @@ class CaseRun {
     std::optional<Simulator> simulator;
     try {
       prepared = prepare(made_->scene, how);
-      simulator.emplace(*prepared, StepLimits{.iterations = result_.what.iterations});
+      simulator.emplace(*prepared, StepSettings{.iterations = result_.what.iterations});
     } catch (const Error& error) {
       if (error.kind() == Error::Kind::environment) return leave_out(strategy, error.what());
       return refuse(strategy, error);
     }
-    const Trajectory trajectory = simulator->run([this](std::int64_t, std::int64_t) { return !options_.stop(); });
+    const Trajectory trajectory = simulator->run([this](std::int64_t, std::int64_t) { return options_.stop(); });
     const Report& report = simulator->report();
     if (report.status.code == Code::interrupted) {
       result_.interrupted = true;

@@ -69,7 +69,7 @@ struct RunOptions {
   std::optional<Mode> mode;          // empty: throughput for an ensemble or a strategy with chunks, else latency
   std::string ensemble;              // CSV of parameters, a row for each member; empty: no ensemble
   double accuracy = 0;               // PrepareOptions::accuracy
-  int iterations = 0;                // StepLimits::iterations
+  int iterations = 0;                // StepSettings::iterations
   output::MotionFileNames motion;
   NpyOptions motion_how;  // of --npy and --hdf5
   std::string errors;     // CSV with the errors of each group in each step; empty: none

@@ -46,7 +46,7 @@ struct Members {
 [[nodiscard]] Members members_of(const std::vector<Ensemble::Outcome>& outcomes,
                                  const std::vector<Parameters>& variants);
 
-// "member 3 (crank = 0.4): t = 1.3 s, group C: the mechanism cannot move further (limit_reached)"
+// "member 3 (crank = 0.4): t = 1.3 s, group C: the mechanism cannot move further (fold)"
 [[nodiscard]] std::string to_string(const Members::Failure& failure);
 
 // [{"member", "parameters", "status", "reached", "why"}]; status and reached are null if it could not start.

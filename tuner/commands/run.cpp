@@ -55,7 +55,7 @@ int run(const Common& common, const RunOptions& options) {
   const Scene scene = scene_of(common, options, common.set);
   const std::vector<ModeChoice> modes = chosen_modes(scene, options.start_modes);
   const Prepared prepared = prepare_or_show(scene, how, modes, options);
-  Simulator simulator(prepared, limits_of(options));
+  Simulator simulator(prepared, settings_of(options));
   output::MotionFiles files(options.motion, options.motion_how);
   std::optional<output::ErrorsCsv> errors;
   if (!options.errors.empty()) errors.emplace(options.errors);
@@ -82,7 +82,7 @@ int run(const Common& common, const RunOptions& options) {
   }
   std::optional<Certificate> certificate;
   if (options.certify && trajectory.rows() > 0 && report.status.code != Code::interrupted) {
-    certificate = worst_of(certify(prepared, trajectory, limits_of(options)));
+    certificate = worst_of(certify(prepared, trajectory, settings_of(options)));
     if (certificate->why_not.empty()) report.error.certified_radius = certificate->radius;
   }
   output::RunSummary summary{.prepared = prepared,

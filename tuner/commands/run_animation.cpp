@@ -41,7 +41,7 @@ bool write_animation(const Prepared& prepared, const Report& report, PrepareOpti
                      const std::vector<ModeChoice>& modes, const RunOptions& options, std::ostream* page,
                      std::ostream* picture, output::Progress& progress) {
   const Prepared shown = prepare(pictures::with_all_places(*prepared.scene), step_by_step(std::move(how)), modes);
-  Simulator simulator(shown, limits_of(options));
+  Simulator simulator(shown, settings_of(options));
   std::vector<double> times;
   for (std::int64_t k = 0; k <= prepared.time.steps(); ++k) times.push_back(prepared.time.time(k));
 

@@ -90,7 +90,7 @@ Ensemble prepare_all(const Common& common, const std::vector<Parameters>& varian
         first = scene.time();
         return prepared;
       },
-      limits_of(options));
+      settings_of(options));
   progress.clear();
   return ensemble;
 }

@@ -45,7 +45,7 @@ bool write_errors(Simulator& simulator, const RunOptions& options, output::Error
     const auto rows = look(simulator, truth ? &*truth : nullptr, now.newton_iterations - before.newton_iterations);
     csv.write(simulator.time(), now.substeps - before.substeps, *simulator.prepared().structure, rows);
     before = now;
-    return !Interrupt::requested();
+    return Interrupt::requested();
   });
   progress.clear();
   csv.close();

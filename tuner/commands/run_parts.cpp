@@ -79,12 +79,12 @@ PrepareOptions how_of(const Common& common, const RunOptions& options) {
   return how;
 }
 
-StepLimits limits_of(const RunOptions& options) {
-  StepLimits limits;
-  limits.iterations = options.iterations;
-  limits.stop = [] { return Interrupt::requested(); };
-  if (options.pin) limits.pin_to = this_machine().cores;
-  return limits;
+StepSettings settings_of(const RunOptions& options) {
+  StepSettings settings;
+  settings.iterations = options.iterations;
+  settings.stop = [] { return Interrupt::requested(); };
+  if (options.pin) settings.pin_to = this_machine().cores;
+  return settings;
 }
 
 Simulator::Observer observer(output::Progress& progress, measure::StepTimes& times, std::int64_t steps) {
@@ -94,7 +94,7 @@ Simulator::Observer observer(output::Progress& progress, measure::StepTimes& tim
       progress.show(times.elapsed(), of > 1 ? (done - 1) * steps / (of - 1) : steps, steps);
       times.resume();
     }
-    return !Interrupt::requested();
+    return Interrupt::requested();
   };
 }
 

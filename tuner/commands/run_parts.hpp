@@ -24,7 +24,7 @@ namespace assur::command {
 [[nodiscard]] Scene scene_of(const Common& common, const RunOptions& options, const Parameters& set);
 
 [[nodiscard]] PrepareOptions how_of(const Common& common, const RunOptions& options);
-[[nodiscard]] StepLimits limits_of(const RunOptions& options);
+[[nodiscard]] StepSettings settings_of(const RunOptions& options);
 
 // An observer for run() that shows the progress in `steps` steps and checks for Ctrl-C. If mechanisms run side by side,
 // its rows are not single steps, and `times` only decides when to read the clock.

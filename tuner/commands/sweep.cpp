@@ -274,9 +274,9 @@ int sweep(const Common& common, const SweepOptions& options) {
   if (const std::optional<Scene> one = scene_or_none(scene_at, space.point(first))) {
     sweep::check_same_times(scene, *one);
   }
-  StepLimits limits;
-  limits.stop = [] { return Interrupt::requested(); };
-  sweep::Sweep sweep(space, scene, how, columns, options.reduce, trace_of(options, scene, columns), limits);
+  StepSettings settings;
+  settings.stop = [] { return Interrupt::requested(); };
+  sweep::Sweep sweep(space, scene, how, columns, options.reduce, trace_of(options, scene, columns), settings);
 
   std::optional<output::Replacement> html;
   if (!options.html.empty()) html.emplace("--html", options.html);

@@ -23,7 +23,7 @@ enum class Knob : std::uint8_t {
 
 struct Way {
   Strategy strategy;
-  int iterations = 0;  // StepLimits::iterations
+  int iterations = 0;  // StepSettings::iterations
   Knob knob = Knob::solver;
 };
 

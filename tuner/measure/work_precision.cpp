@@ -185,7 +185,7 @@ class Comparison {
   // Computes the whole motion and its true error.
   void verify(Entrant& e) {
     Simulator simulator(e.prepared, {.iterations = e.row.iterations});
-    const Trajectory motion = simulator.run([&](auto, auto) { return !options_.instruments.stop(); });
+    const Trajectory motion = simulator.run([&](auto, auto) { return options_.instruments.stop(); });
     const Report& report = simulator.report();
     e.row.status = name(report.status.code);
     if (!report.status.arrived()) return;

@@ -31,7 +31,7 @@ double figure_of(const ColumnSummary& s, const std::string& name) {
 // How often a limit was exceeded, or ended the motion.
 double times_exceeded(const Ensemble::Outcome& outcome) {
   return static_cast<double>(std::count_if(outcome.events.begin(), outcome.events.end(), [](const Event& e) {
-    return e.kind == Code::limit_exceeded || e.kind == Code::stop_reached;
+    return e.kind == Code::limit_exceeded || e.kind == Code::limit_reached;
   }));
 }
 
@@ -89,14 +89,14 @@ const std::vector<std::string>& distance_names() {
 }
 
 Sweep::Sweep(const DesignSpace& space, Scene scene, PrepareOptions how, std::vector<std::string> columns,
-             std::vector<std::string> figures, std::optional<Trace> trace, StepLimits limits)
+             std::vector<std::string> figures, std::optional<Trace> trace, StepSettings settings)
     : space_(space),
       scene_(std::move(scene)),
       how_(std::move(how)),
       columns_(std::move(columns)),
       figures_(std::move(figures)),
       trace_(std::move(trace)),
-      limits_(std::move(limits)) {}
+      settings_(std::move(settings)) {}
 
 std::vector<double> Sweep::values_of(std::int64_t b) const {
   std::vector<double> values;
@@ -110,7 +110,7 @@ std::vector<double> Sweep::values_of(std::int64_t b) const {
 Ensemble Sweep::make(std::vector<double> values) const {
   std::vector<std::string> names;
   for (const Range& r : space_.ranges()) names.push_back(r.name);
-  return {scene_, std::move(names), std::move(values), how_, limits_};
+  return {scene_, std::move(names), std::move(values), how_, settings_};
 }
 
 std::vector<Row> Sweep::block(std::int64_t b) {
@@ -143,7 +143,7 @@ std::vector<Row> Sweep::block(std::int64_t b) {
     if (ensemble_ || !none_can_be_prepared(e)) throw;
     for (Row& row : rows) row.why = e.what();  // the first reason
   }
-  return limits_.stop && limits_.stop() ? std::vector<Row>() : rows;
+  return settings_.stop && settings_.stop() ? std::vector<Row>() : rows;
 }
 
 void Sweep::run(Ensemble& ensemble, std::vector<Row>& rows) {
@@ -171,7 +171,7 @@ void Sweep::run(Ensemble& ensemble, std::vector<Row>& rows) {
     }
     rows[of.member].figures[0] = distance(path);
   };
-  ensemble.stream(selection, sink, [&](std::int64_t, std::int64_t) { return !(limits_.stop && limits_.stop()); });
+  ensemble.stream(selection, sink, [&](std::int64_t, std::int64_t) { return settings_.stop && settings_.stop(); });
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const Ensemble::Outcome& outcome = ensemble.outcomes()[i];
     rows[i].why = outcome.cannot;

@@ -63,9 +63,9 @@ class Sweep {
   // scene: has the parameters of the space. columns, figures: what is kept. trace: empty, or of a point whose
   // coordinates are outputs.
   Sweep(const DesignSpace& space, Scene scene, PrepareOptions how, std::vector<std::string> columns,
-        std::vector<std::string> figures, std::optional<Trace> trace, StepLimits limits);
+        std::vector<std::string> figures, std::optional<Trace> trace, StepSettings settings);
 
-  // The samples from b * kBlock on. Empty if limits.stop asked to stop. Throws as Ensemble, but not for samples that
+  // The samples from b * kBlock on. Empty if settings.stop asked to stop. Throws as Ensemble, but not for samples that
   // cannot be prepared.
   [[nodiscard]] std::vector<Row> block(std::int64_t b);
 
@@ -91,7 +91,7 @@ class Sweep {
   PrepareOptions how_;
   std::vector<std::string> columns_, figures_;
   std::optional<Trace> trace_;
-  StepLimits limits_;
+  StepSettings settings_;
   // Made with the first block, whatever range is asked for, so that a row does not depend on the range. Empty: none of
   // its samples can be prepared, so that each block makes its own.
   std::optional<Ensemble> ensemble_;

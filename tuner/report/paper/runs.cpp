@@ -45,14 +45,14 @@ struct Yardstick {
 // A strategy to be timed: steps over the time grid of its scene, repeated from the start at its end.
 class GridRun final : public measure::Workload {
  public:
-  // iterations: StepLimits::iterations; cores: pins the threads to them if there is one for each thread. Throws Error
+  // iterations: StepSettings::iterations; cores: pins the threads to them if there is one for each thread. Throws Error
   // like Simulator.
   GridRun(const Prepared& prepared, int iterations, const std::vector<int>& cores)
       : grid_(prepared.time), threads_(most_threads(prepared.plan)) {
-    StepLimits limits{.iterations = iterations};
-    if (prepared.plan.run.threads > 1 && static_cast<std::size_t>(threads_) <= cores.size()) limits.pin_to = cores;
-    pinned_ = !limits.pin_to.empty();
-    simulator_.emplace(prepared, limits);
+    StepSettings settings{.iterations = iterations};
+    if (prepared.plan.run.threads > 1 && static_cast<std::size_t>(threads_) <= cores.size()) settings.pin_to = cores;
+    pinned_ = !settings.pin_to.empty();
+    simulator_.emplace(prepared, settings);
     at_start_ = simulator_->report().counters;
   }
 

@@ -1,4 +1,4 @@
-// Limits of one step of a simulator: iterations, time, processors.
+// Settings of the steps of a simulator: iterations, time, processors.
 #pragma once
 
 #include <functional>
@@ -6,8 +6,8 @@
 
 namespace assur {
 
-// Limits of one step, e.g. for a control loop.
-struct StepLimits {
+// How steps are made, e.g. in a control loop.
+struct StepSettings {
   // Exactly this many Newton iterations for each group that depends on other groups and each part of a divided step,
   // without a test of convergence: the estimated error shows whether they were enough. Groups that depend on no other
   // group iterate until they converge. 0: all groups do.
