@@ -30,9 +30,9 @@ module assur
       type(c_ptr), value :: plan
       real(c_double), intent(out) :: start, end, step
     end function
-    integer(c_int32_t) function assur_simulator_new(plan, limits, simulator) bind(c)
+    integer(c_int32_t) function assur_simulator_new(plan, settings, simulator) bind(c)
       import
-      type(c_ptr), value :: plan, limits
+      type(c_ptr), value :: plan, settings
       type(c_ptr), intent(out) :: simulator
     end function
     integer(c_size_t) function assur_simulator_column_count(simulator) bind(c)

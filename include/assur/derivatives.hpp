@@ -16,7 +16,7 @@ namespace assur {
 // when it is called again; `where` is empty. A function that throws counts as undefined there. prepare() does the same
 // at the start posture.
 // units: the size of a typical change of each argument; empty: 1. Throws Error (input) if `at` or `units` has not one
-// entry for each argument.
+// entry for each argument, or if the callback has no equation.
 [[nodiscard]] std::vector<Diagnostic> check_derivatives(const Callback& callback, std::span<const double> at,
                                                         std::span<const double> units = {});
 
