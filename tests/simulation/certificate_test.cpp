@@ -322,7 +322,7 @@ TEST(Certificate, CertifiesEachRowOfARun) {
   EXPECT_TRUE(std::isinf(worst_of({}).radius));
 }
 
-TEST(Certificate, FailsForOtherStepLimits) {
+TEST(Certificate, FailsForOtherStepSettings) {
   const Prepared prepared = prepare(sample("stewart").with_time({0, 0.1, 0.01}), {"groups/eigen+predict=taylor:0", {}});
   StepSettings settings;
   settings.iterations = 1;  // too few to converge
