@@ -120,7 +120,7 @@ class Ensemble {
   // themselves, by the plan of the first of them; a member whose structure no other one has runs alone. So does a
   // member with another start time, which first moves from its own start posture to the first of the times. Members
   // with callbacks run alone as well, unless they are copies of one Prepared. A member whose outputs differ from those
-  // of the first cannot take part. Throws Error: input for no members, for limits as in Simulator, and for a deadline
+  // of the first cannot take part. Throws Error: input for no members, for settings as in Simulator, and for a deadline
   // among them; environment if a backend of the plan cannot run here.
   Ensemble(std::size_t members, const std::function<Prepared(std::size_t)>& member, StepSettings settings = {});
   // The members are rows of a table: `scene` with other values of its parameters and numbers, as by

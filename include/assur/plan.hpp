@@ -102,7 +102,7 @@ struct Prepared {
 
 // Analyses the scene, assembles its start posture and makes a plan. Several threads may prepare scenes at once. Needs
 // the library assur::assur. Throws Error: input if the scene is undetermined (the free unknowns are named), if
-// functions of the program return wrong derivatives at the start (docs/accuracy.md), or for a wrong option: a strategy
+// functions of the program return wrong derivatives (docs/accuracy.md), or for a wrong option: a strategy
 // text that does not parse, an unknown backend or driver, a budget without a thread, a negative accuracy; numerical if
 // the start posture cannot be assembled (the group and its most violated constraint are named); environment if the
 // strategy text cannot run here, with the reason.

@@ -281,9 +281,8 @@ class Simulator {
 };
 
 // Runs a motion once, over its time grid, and keeps the sets of redundant equations that it chose: simulators of the
-// result change from one to another without analysing the scene again, which takes a step the time of about ten steps
-// instead of a hundred (docs/control.md). Does nothing without redundant equations. A run that fails is no error: its
-// sets are kept. Throws what laws and callbacks throw.
+// result change from one to another without analysing the scene again (docs/control.md has the times). Does nothing
+// without redundant equations. A run that fails is no error: its sets are kept. Throws what laws and callbacks throw.
 [[nodiscard]] Prepared rehearse(Prepared prepared);
 
 // True errors of the outputs of a trajectory, each the largest over outputs and times.
@@ -308,9 +307,8 @@ struct ForwardError {
 [[nodiscard]] Certificate certify(const Simulator& simulator);
 
 // Proves each row of a trajectory; returns one certificate for each row. Repeats the steps one after the other. A row
-// that is not reproduced bit by bit gets no proof: it was computed in chunks or part after part, or with other
-// limits. Throws Error as the function above and as Simulator. Needs the library
-// assur::assur.
+// that is not reproduced bit by bit gets no proof: it was computed in chunks, or with other settings. Throws Error as
+// the function above and as Simulator. Needs the library assur::assur.
 [[nodiscard]] std::vector<Certificate> certify(const Prepared& prepared, const Trajectory& trajectory,
                                                StepSettings settings = {});
 

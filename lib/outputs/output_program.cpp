@@ -439,7 +439,7 @@ double OutputProgram::size_of_arm(std::size_t i, const double* q) const {
   return size;
 }
 
-// output_step(), interpreted, takes 3 times as long for a four-bar, and 15 to 25 times as long for many outputs.
+// output_step(), interpreted, takes 3 times as long for a four-bar, and 13 to 26 times as long for many outputs.
 void OutputProgram::evaluate(const double* const (&state)[3], double* out, const double* turns, double* divisors,
                              std::size_t part, std::size_t parts) const {
   const std::span<const Part> among = share(parts_, part, parts);
