@@ -24,6 +24,7 @@
 #include "median.hpp"
 #include "motion/layout.hpp"
 #include "motion/state.hpp"
+#include "plan/preparation.hpp"
 #include "program.hpp"
 
 namespace assur::bench {
@@ -123,10 +124,10 @@ class LegsByLibrary {
  public:
   LegsByLibrary(const Scene& scene, const std::string& backend, double t)
       : prepared_(prepare(scene, {"groups/" + backend + "+predict=hermite:5", {}})),
-        structure_(*prepared_.structure),
+        structure_(*preparation(prepared_).structure),
         inputs_(*structure_.system, {}),
-        layout_(lay_out(prepared_)) {
-    state_.resize(layout_.first_unknown, layout_.size, prepared_.plan.run.predictor);
+        layout_(lay_out(preparation(prepared_))) {
+    state_.resize(layout_.first_unknown, layout_.size, prepared_.plan().run.predictor);
     for (std::size_t c = 0; c < layout_.address.size(); ++c) {
       if (layout_.address[c] >= 0) state_.at(0)[layout_.address[c]] = structure_.start[c];
     }
@@ -199,7 +200,7 @@ class LegsByLibrary {
   }
 
   Prepared prepared_;
-  const Structure& structure_;
+  const GroupedSystem& structure_;
   Inputs inputs_;
   Layout layout_;
   State state_;

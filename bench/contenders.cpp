@@ -63,7 +63,7 @@ class Steps : public Contender {
   const measure::StepTimes* step_times() const override { return times_ ? &*times_ : nullptr; }
 
  private:
-  void advance() { expect_ok(simulator_.step(simulator_.prepared().scene->time().time(++k_))); }
+  void advance() { expect_ok(simulator_.step(simulator_.prepared().scene()->time().time(++k_))); }
 
   Simulator simulator_;
   int steps_;

@@ -142,7 +142,7 @@ int verify(const Fleet& fleet, const std::vector<double>& times, std::size_t cou
     largest_deviation = std::max(largest_deviation, deviation / size);
     largest_ratio = std::max(largest_ratio, deviation / (size * estimated));
   };
-  (void)fleet.run(times, sink, {}, 0, count);
+  (void)fleet.stream(sink, times, {.last = count});
   std::printf(
       "  %zu against the simulator: %d differ; positions by %.1e at most, %.1f estimated errors; %d jam, times by "
       "%.1e s at most\n",
@@ -164,9 +164,9 @@ int run(std::size_t count, int rounds) {
   const auto drop = [](std::size_t, const LinkageMotion&) {};
 
   // Memory, while nothing is stored.
-  (void)fleet.run(times, drop, {}, 0, std::max<std::size_t>(count / 10, 1));
+  (void)fleet.stream(drop, times, {.last = std::max<std::size_t>(count / 10, 1)});
   const double of_tenth = megabytes();
-  FleetReport report = fleet.run(times, drop);
+  FleetReport report = fleet.stream(drop, times);
   const double of_all = megabytes();
   std::printf("%zu linkages: %zu are done, %zu jam, %zu cannot be closed; largest residual %.1e\n", count, report.done,
               report.jammed, report.not_closed, report.residual);
@@ -175,9 +175,10 @@ int run(std::size_t count, int rounds) {
 
   std::vector<Linkage> all(count), complete;
   for (std::size_t i = 0; i < count; ++i) linkage_into(i, all[i]);
-  (void)fleet.run(times, [&](std::size_t i, const LinkageMotion& m) {
+  const auto keep = [&](std::size_t i, const LinkageMotion& m) {
     if (m.status.arrived()) complete.push_back(all[i]);
-  });
+  };
+  (void)fleet.stream(keep, times);
   PreparedLinkage prepared;
   std::int64_t dyads_of_complete = 0;
   for (const Linkage& linkage : complete) {
@@ -188,7 +189,7 @@ int run(std::size_t count, int rounds) {
   std::vector<Linkage> of_triads(count);
   for (std::size_t i = 0; i < count; ++i) of_triads[i] = test::with_triad(i);
   const Fleet triads(std::move(of_triads));
-  const auto dyads_and_triads = static_cast<double>(triads.run(times, drop).dyads);
+  const auto dyads_and_triads = static_cast<double>(triads.stream(drop, times).dyads);
   PlainForm plain(times);
   double sum = 0;
   FleetOptions two;
@@ -203,13 +204,13 @@ int run(std::size_t count, int rounds) {
     };
   };
   std::vector<Contender> contenders = {
-      {"fleet, linkages made on the way", [&] { (void)fleet.run(times, drop); }, {}},
-      {"fleet, stored linkages", [&] { (void)stored.run(times, drop); }, {}},
-      {"fleet, stored linkages, two threads", [&] { (void)stored.run(times, drop, two); }, {}},
+      {"fleet, linkages made on the way", [&] { (void)fleet.stream(drop, times); }, {}},
+      {"fleet, stored linkages", [&] { (void)stored.stream(drop, times); }, {}},
+      {"fleet, stored linkages, two threads", [&] { (void)stored.stream(drop, times, two); }, {}},
       {"plain closed form", plainly(0), {}},
-      {"fleet, those that are done", [&] { (void)stored_complete.run(times, drop); }, {}},
+      {"fleet, those that are done", [&] { (void)stored_complete.stream(drop, times); }, {}},
       {"plain closed form, those that are done", plainly(1), {}},
-      {"fleet, a dyad and a triad in each linkage", [&] { (void)triads.run(times, drop); }, {}},
+      {"fleet, a dyad and a triad in each linkage", [&] { (void)triads.stream(drop, times); }, {}},
       {"making linkages",
        [&] {
          for (std::size_t i = 0; i < count; ++i) linkage_into(i, all[i]);

@@ -4,8 +4,8 @@
 #include <string>
 #include <utility>
 
-#include "assur/structure.hpp"
 #include "measure/matrices.hpp"
+#include "structure/grouped_system.hpp"
 
 namespace assur::bench {
 namespace {
@@ -13,7 +13,7 @@ namespace {
 constexpr int kDifferent = 8;  // different matrices; further ones repeat them
 
 std::vector<test::Matrix> leg_jacobians(int count) {
-  const Structure s = analyze(sample("stewart:platforms=" + std::to_string((count + 5) / 6)));
+  const GroupedSystem s = group_equations(sample("stewart:platforms=" + std::to_string((count + 5) / 6)));
   const auto leg = std::find_if(s.classes.begin(), s.classes.end(), [](const GroupClass& c) { return c.n == 15; });
   measure::Matrices legs = measure::jacobians(s, static_cast<std::int32_t>(leg - s.classes.begin()), count);
   std::vector<test::Matrix> all;

@@ -46,7 +46,7 @@ bool worth_timing(const Scene& scene, const std::string& strategy) {
   try {
     const Prepared prepared = prepare(scene, {strategy, {}});
     const std::int32_t lanes = parse_strategy(strategy).solver.lanes;
-    return std::any_of(prepared.plan.choices.begin(), prepared.plan.choices.end(),
+    return std::any_of(prepared.plan().choices.begin(), prepared.plan().choices.end(),
                        [lanes](const Plan::Choice& choice) { return choice.solver.lanes == lanes; });
   } catch (const Error&) {
     return false;  // it cannot run here; `assur backends` gives the reason

@@ -93,7 +93,7 @@ struct Size {
     const Scene scene = sample(text);
     measure(as_groups, [&] {
       Structure s = analyze(scene, options_for(Formulation::groups));
-      groups = static_cast<double>(s.groups.size());
+      groups = static_cast<double>(s.groups().size());
       return s;
     });
     measure(irreducible, [&] { return analyze(scene, options_for(Formulation::irreducible)); });

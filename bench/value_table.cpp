@@ -124,7 +124,7 @@ bool report(const Design& design, std::size_t members, int rounds) {
     std::printf("%s: %s\n", design.scene.name().c_str(), table.why_not().c_str());
     return false;
   }
-  Prepared first = *table.first();
+  Preparation first = *table.first();
   first.plan.run.chunks = first.plan.run.threads = 1;
   Tile tile(first, {});
   tile.keep_pivots({first.structure->system, first.structure->start, first.time.start, first.reselect});
@@ -149,7 +149,8 @@ bool report(const Design& design, std::size_t members, int rounds) {
 double throughput(Ensemble& ensemble, const std::vector<std::string>& columns) {
   const double begin = wall();
   (void)ensemble.summarize(columns);
-  const double steps = static_cast<double>(ensemble.members()) * static_cast<double>(ensemble.prepared().time.steps());
+  const double steps =
+      static_cast<double>(ensemble.members()) * static_cast<double>(ensemble.prepared().time().steps());
   return steps / (wall() - begin);
 }
 
@@ -167,7 +168,7 @@ void compare_throughput(const Design& platform, std::size_t members, int rounds)
   }
   std::printf(
       "\n%zu platforms with %zu random values, %lld steps each, ranges of handle angles, two threads: %.3g steps/s\n",
-      members, platform.names.size(), static_cast<long long>(first.time.steps()), median(of_random));
+      members, platform.names.size(), static_cast<long long>(first.time().steps()), median(of_random));
   std::printf("%zu equal platforms: %.3g steps/s; ratio %.3f (%.3f to %.3f)\n", kEqual, median(of_equal), median(ratio),
               *std::min_element(ratio.begin(), ratio.end()), *std::max_element(ratio.begin(), ratio.end()));
   for (const std::string& text : random.report().fallbacks) std::printf("  %s\n", text.c_str());
@@ -193,7 +194,7 @@ void compare_with_jams(const Design& narrow, const Design& wide, std::size_t mem
     alone += o.alone && o.status.arrived();
   }
   std::printf("\n%zu members of %s, %lld steps each, two threads: %.2f us each; in a wide design space %.2f us\n",
-              members, wide.scene.name().c_str(), static_cast<long long>(ensembles[0].prepared().time.steps()),
+              members, wide.scene.name().c_str(), static_cast<long long>(ensembles[0].prepared().time().steps()),
               median(times[0]), median(times[1]));
   std::printf(
       "(%zu turn, %zu of them alone from some time on, %zu jam, %zu cannot be assembled); ratio %.2f (%.2f to %.2f)\n",

@@ -17,7 +17,7 @@ namespace assur {
 }
 
 // The pose of a body in a row: ground coordinates = pose * coordinates in the frame of the body. In the plane z = 0.
-[[nodiscard]] inline Eigen::Isometry3d pose(const BodyColumns& body, std::span<const double> row) {
+[[nodiscard]] inline Eigen::Isometry3d pose(const BodyHandle& body, std::span<const double> row) {
   Eigen::Isometry3d out = Eigen::Isometry3d::Identity();
   const std::span<const double> at = body.origin.value(row), q = body.quaternion.value(row);
   for (std::size_t k = 0; k < at.size(); ++k) out.translation()[static_cast<Eigen::Index>(k)] = at[k];

@@ -151,34 +151,34 @@ class Ensemble {
   // `observer` (rows done, rows in all; of all members), which may return true to stop. All threads of the plan call
   // laws and callbacks. Exceptions from them and from the observer propagate. Throws Error (environment) if there is no
   // memory for the results.
-  EnsembleTrajectory run(const Simulator::Observer& observer = {});
+  EnsembleTrajectory run(const Observer& observer = {});
   // The same over `times` (s), which begin with prepared().time.start. Throws also Error (input) if `times` are empty,
   // begin at another time, descend, or are not finite.
-  EnsembleTrajectory run(std::span<const double> times, const Simulator::Observer& observer = {});
+  EnsembleTrajectory run(std::span<const double> times, const Observer& observer = {});
   // The same, and keeps these columns only, in this order; each row is that of run(), bit by bit. Throws also Error
   // (input) for an unknown column.
-  EnsembleTrajectory run(const std::vector<std::string>& columns, const Simulator::Observer& observer = {});
+  EnsembleTrajectory run(const std::vector<std::string>& columns, const Observer& observer = {});
   // The same over `times` (s).
   EnsembleTrajectory run(const std::vector<std::string>& columns, std::span<const double> times,
-                         const Simulator::Observer& observer = {});
+                         const Observer& observer = {});
 
   // Runs all members as run() does, and keeps summaries of these columns instead of rows: the memory does not grow with
   // the number of times. Figures are those of the rows of run(), bit by bit. Throws as run(), and Error (input) for an
   // unknown column.
-  EnsembleSummary summarize(const std::vector<std::string>& columns, const Simulator::Observer& observer = {});
+  EnsembleSummary summarize(const std::vector<std::string>& columns, const Observer& observer = {});
   // The same over `times` (s).
   EnsembleSummary summarize(const std::vector<std::string>& columns, std::span<const double> times,
-                            const Simulator::Observer& observer = {});
+                            const Observer& observer = {});
 
   // Runs all members as run() does, and gives rows to `sink` instead of keeping them: all rows of a member when it is
   // done, or block by block. All threads of the plan call the sink, each for members of its own; the blocks of a member
   // come in their order. A member that reached no row gives none; outcomes() tells why. Rows are those of run(), bit by
   // bit. Exceptions from the sink propagate. Throws as run(), and Error (input) for an unknown column, an empty sink,
   // or a number that is 0 in `selection`.
-  void stream(const RowSelection& selection, const RowSink& sink, const Simulator::Observer& observer = {});
+  void stream(const RowSelection& selection, const RowSink& sink, const Observer& observer = {});
   // The same over `times` (s).
   void stream(const RowSelection& selection, const RowSink& sink, std::span<const double> times,
-              const Simulator::Observer& observer = {});
+              const Observer& observer = {});
 
   // Number of members, including those that cannot start.
   [[nodiscard]] std::size_t members() const;
@@ -186,7 +186,7 @@ class Ensemble {
   [[nodiscard]] const std::vector<std::string>& columns() const;
   // The first member that could be prepared, with one chunk; of a table perhaps the scene as written. Throws Error
   // (numerical) if neither can be assembled.
-  [[nodiscard]] const Prepared& prepared() const;
+  [[nodiscard]] Prepared prepared() const;
   [[nodiscard]] const TimeGrid& time() const;  // the time grid of prepared()
   // The last run: sums and largest errors of all members; before the first run it is empty. The status is that of the
   // first member that failed, else of the first inaccurate one; its place is that member. `reached` is the smallest of

@@ -99,9 +99,13 @@ struct LinkageMotion {
 
 // How a fleet runs.
 struct FleetOptions {
-  int threads = 1;               // including the calling one
-  double accuracy = 1e-6;        // estimated errors and residuals above it make a motion `inaccurate`
-  std::function<bool()> stop{};  // called by all threads; true ends the run. Empty: not called
+  int threads = 1;         // including the calling one
+  double accuracy = 1e-6;  // estimated errors and residuals above it make a motion `inaccurate`
+  Observer observer = {};  // may stop the run
+  // Only the linkages `first` up to, without, `last`; kAll: up to the end.
+  std::size_t first = 0, last = kAll;
+
+  static constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
 };
 
 // Work of a run.
@@ -114,7 +118,7 @@ struct FleetReport {
   std::int64_t dyads = 0;      // dyads and triads that were solved, one for each time
   std::int64_t divided = 0;    // intervals between two times that were divided to follow a branch
   double residual = 0;         // the largest of all motions
-  bool interrupted = false;    // true if `stop` ended the run
+  bool interrupted = false;    // true if the observer ended the run
 };
 
 // Summaries of the paths of a fleet.
@@ -150,19 +154,16 @@ class Fleet {
   // Linkages that are made when they are needed; nothing of them is kept.
   Fleet(std::size_t linkages, Source source);
 
-  [[nodiscard]] std::size_t size() const { return size_; }
+  // Number of linkages.
+  [[nodiscard]] std::size_t members() const { return size_; }
 
-  // Moves linkages `first` up to, without, `last`. times: not descending, s; at least one. Throws Error (input) for
-  // other times, a wrong range, options that are not positive, or a linkage of the source that is not valid. Exceptions
-  // of source and sink propagate.
-  FleetReport run(std::span<const double> times, const Sink& sink, const FleetOptions& options, std::size_t first,
-                  std::size_t last) const;
-  // Moves all linkages.
-  FleetReport run(std::span<const double> times, const Sink& sink, const FleetOptions& options = {}) const {
-    return run(times, sink, options, 0, size_);
-  }
+  // Moves the linkages, and gives their motions to `sink`. times: not descending, s; at least one. Throws Error (input)
+  // for other times, a wrong range, options that are not positive, or a linkage of the source that is not valid.
+  // Exceptions of source, sink and observer propagate.
+  FleetReport stream(const Sink& sink, std::span<const double> times, const FleetOptions& options = {}) const;
 
-  // Moves all linkages and keeps summaries of their paths. Throws as run().
+  // Moves the linkages, and keeps summaries of their paths; those outside the range are `interrupted`. Throws as
+  // stream().
   [[nodiscard]] FleetSummary summarize(std::span<const double> times, const FleetOptions& options = {}) const;
 
  private:

@@ -2,11 +2,10 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <optional>
-#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "assur/backend.hpp"
@@ -17,14 +16,14 @@
 
 namespace assur {
 
-class StepCode;  // machine code for steps; for use inside the library
+struct Preparation;  // for use inside the library
 
 // The solvers of a run: one choice for each class of a structure. At most Choice::threads packs of a class, at most
 // level_threads packs of a level, and never more than run.threads packs are solved at once.
 struct Plan {
   // The solver of one class.
   struct Choice {
-    std::int32_t group_class = 0;   // index into Structure::classes
+    std::int32_t group_class = 0;   // class of groups, see Group
     Shape shape;                    // size of the class
     SolverSettings solver;          // backend, lanes and policies
     std::int32_t threads = 1;       // packs (groups in SIMD lanes) of this class that are solved at once
@@ -34,7 +33,7 @@ struct Plan {
   };
   RunSettings run;                          // for all groups; the predictor is never automatic
   std::int32_t lanes = 1;                   // W of ensembles and chunks: mechanisms that run side by side
-  std::vector<Choice> choices;              // one for each class, in the order of Structure::classes
+  std::vector<Choice> choices;              // one for each class, in their order
   std::vector<std::int32_t> level_threads;  // threads of each level, at most run.threads; empty: run.threads for all
   double accuracy = 0;                      // PrepareOptions::accuracy
   std::string reason;                       // reason for the formulation and for P
@@ -77,27 +76,31 @@ struct PrepareOptions {
   bool machine_code = true;
 };
 
-// A scene that is ready to run, as prepare() or load_plan() returns it. Any number of simulators may share its parts,
-// which do not change. Of its members only time.end and time.step may be changed; simulators do not check the others
-// again.
-struct Prepared {
-  std::shared_ptr<const Scene> scene;               // null if load_plan() made it
-  std::string name;                                 // name of the scene
-  TimeGrid time;                                    // time grid of the scene, the default of a run
-  std::shared_ptr<const Structure> structure;       // groups, their order, and the start posture; never null
-  Plan plan;                                        // solvers and threads
-  std::span<const Backend> table;                   // has the backends that the plan names; must outlive simulators
-  std::vector<std::string> controlled;              // PrepareOptions::controlled
-  std::optional<double> start_time = std::nullopt;  // time of structure->start, s; empty: time.start
-  std::vector<double> start_limits = {};  // for the library: limited quantities at start_time; empty: not known yet
-  // For use inside the library. Prepares the scene again with redundant equations chosen at a posture, see
-  // StructureOptions. The plan stays: each class is solved as the one nearest in size was. Empty if the scene has no
-  // redundant equations, or if load_plan() made this. Throws like prepare().
-  std::function<Prepared(std::vector<double> posture, double time, std::vector<std::int32_t> checked)> reselect;
-  // For use inside the library: the same with other redundant equations, which simulators know from the start. See
-  // rehearse().
-  std::vector<std::shared_ptr<const Prepared>> other_sets = {};
-  std::shared_ptr<StepCode> code = nullptr;  // for use inside the library; null: without machine code
+// A scene that is ready to run, as prepare() or load_plan() returns it. Copies, and any number of simulators, share its
+// parts, which do not change. References that its functions return are valid as long as one of them.
+class Prepared {
+ public:
+  // Name of the scene.
+  [[nodiscard]] const std::string& name() const;
+  // The scene; null if load_plan() made this.
+  [[nodiscard]] const Scene* scene() const;
+  // Time grid of the scene, the default of a run.
+  [[nodiscard]] const TimeGrid& time() const;
+  // Groups, their order, and findings.
+  [[nodiscard]] Structure structure() const;
+  // Solvers and threads.
+  [[nodiscard]] const Plan& plan() const;
+  // Names of the controlled drivers, PrepareOptions::controlled.
+  [[nodiscard]] const std::vector<std::string>& controlled() const;
+
+  // The same with another end or step of the time grid. Throws Error (input) for another start, because the start
+  // posture is that of the start time, and for a grid without a whole number of steps.
+  [[nodiscard]] Prepared with_time(const TimeGrid& time) const;
+
+ private:
+  friend struct Preparation;  // for use inside the library
+  explicit Prepared(std::shared_ptr<const Preparation> parts) : parts_(std::move(parts)) {}
+  std::shared_ptr<const Preparation> parts_;
 };
 
 // Analyses the scene, assembles its start posture and makes a plan. Several threads may prepare scenes at once. Needs

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <limits>
 #include <span>
@@ -12,10 +13,10 @@
 namespace assur {
 
 // Where the components of an output lie in a row, found once by its name, so that a loop looks up no text:
-//   const OutputColumns c = find_output(simulator.columns(), "C");
+//   const OutputHandle c = find_output(simulator.columns(), "C");
 //   const std::span<const double> velocity = c.rate(simulator.outputs());  // vx, vy(, vz) of C
 // Rows are Simulator::outputs() and the rows of trajectories with the same columns; their length is not checked.
-struct OutputColumns {
+struct OutputHandle {
   static constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
 
   std::size_t components = 1;  // of a point or vector: the dimension of the scene; of a quaternion: 4; else 1
@@ -39,18 +40,18 @@ struct OutputColumns {
 // "B.quaternion", "B.angular_velocity" and "B.angle" of a body B. The angular velocity in space is a rate without a
 // value, and its acceleration the angular acceleration. Throws Error (input), with the known columns, if no column
 // belongs to it, or if some of its components are missing.
-[[nodiscard]] OutputColumns find_output(const std::vector<std::string>& columns, std::string_view output);
+[[nodiscard]] OutputHandle find_output(const std::vector<std::string>& columns, std::string_view output);
 
 // Where the pose of a body lies in a row, see find_body().
-struct BodyColumns {
-  OutputColumns origin;      // of the frame of the body, m
-  OutputColumns quaternion;  // in space: w, x, y, z; rotates local into ground coordinates
-  OutputColumns turn;        // in space: angular velocity and acceleration; in the plane: the angle, rad
+struct BodyHandle {
+  OutputHandle origin;      // of the frame of the body, m
+  OutputHandle quaternion;  // in space: w, x, y, z; rotates local into ground coordinates
+  OutputHandle turn;        // in space: angular velocity and acceleration; in the plane: the angle, rad
 };
 
 // Finds the pose of a body that is an output ("B"; docs/joints.md#poses-of-bodies). Throws Error (input) like
 // find_output().
-[[nodiscard]] BodyColumns find_body(const std::vector<std::string>& columns, std::string_view body);
+[[nodiscard]] BodyHandle find_body(const std::vector<std::string>& columns, std::string_view body);
 
 // Memory of stored rows. Large rows lie on large pages, if the system has them; the pages of small rows are mapped at
 // once. Mapping a small page at the first write to it takes 1 us, on a virtual machine 13 us, often longer than a step.
@@ -80,6 +81,10 @@ struct MemberRows {
   std::span<const double> times;   // of the rows, s
   std::span<const double> values;  // rows x columns
 };
+// Called on the calling thread while a run goes on, with the number of rows (a Fleet: linkages) that are done and of
+// all; returns true to stop the run. It must not change what runs.
+using Observer = std::function<bool(std::int64_t done, std::int64_t of)>;
+
 // Takes rows. They are valid within the call.
 using RowSink = std::function<void(const MemberRows& rows)>;
 

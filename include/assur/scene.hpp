@@ -277,17 +277,19 @@ struct Constraint {
 // along the arm. In 3D both drivers together add the unknown NAME.rho, the distance of B from the axis through A.
 struct PointAngle {
   std::string a, b;  // names of points
-  std::string axis;  // 3D: name of a fixed vector; 2D: ""
-  Law law;           // rad
+  // 3D: ground coordinates of any length but 0, or the name of a fixed vector; 2D: ""
+  Anchor axis = std::string();
+  Law law;  // rad
 };
 // Drives the angle from one direction to another, right-handed about an axis (2D: the normal):
 // atan2(axis . (d x e), d . e). This is the angle of turn if the axis is at right angles to d and e. Adds the unknown
 // NAME.rho, which is then the product of the lengths of both directions; 3D with a moving axis: also the vector
 // NAME.across.
 struct RelativeAngle {
-  Direction d, e;    // from d to e
-  std::string axis;  // 3D: name of a vector, which may move; 2D: ""
-  Law law;           // rad
+  Direction d, e;  // from d to e
+  // 3D: ground coordinates of any length but 0, or the name of a vector, which may move; 2D: ""
+  Anchor axis = std::string();
+  Law law;  // rad
 };
 // Drives the distance of two points, a linear actuator.
 struct DrivenDistance {
@@ -333,8 +335,8 @@ struct AbsoluteAngle {
 // the motion through whole turns. In space without an axis it is in [0, pi]; at these ends it has no derivatives (NaN),
 // and the step is `inaccurate` unless the angle is at rest.
 struct AngleBetween {
-  Direction d, e;    // from d to e
-  std::string axis;  // 3D: name of a vector, or ""; 2D: ""
+  Direction d, e;               // from d to e
+  Anchor axis = std::string();  // 3D: as RelativeAngle, or ""; 2D: ""
 };
 // Distance of two points; m. At 0 it has no derivatives (NaN), and the step is `inaccurate` unless it is at rest.
 struct MeasuredDistance {

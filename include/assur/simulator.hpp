@@ -4,7 +4,6 @@
 // laws and callbacks throw.
 #pragma once
 
-#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <iosfwd>
@@ -197,15 +196,11 @@ class Simulator {
   // its time, as with restore(). Changes nothing if the current posture is such a posture.
   void retreat();
 
-  // Called on the calling thread after each row of a run (with chunks less often) with the number of rows done and of
-  // all rows; returns true to stop the run, which then ends as `interrupted` if rows are left. It must not change the
-  // simulator.
-  using Observer = std::function<bool(std::int64_t done, std::int64_t of)>;
-  // Runs from the start posture over Prepared::time, the time grid of the scene unless the program changed it. Calls
-  // reset() first, so targets are dropped and all drivers follow their laws. Stops at the first failure and returns the
-  // rows that were reached; report() has the status. The simulator then stands at the last row, or after a failure at
-  // the last good posture, which may be later; step() may go on from there. Exceptions from laws, callbacks and the
-  // observer propagate. Throws Error (environment) if there is no memory for the rows.
+  // Runs from the start posture over Prepared::time(). Calls reset() first, so targets are dropped and all drivers
+  // follow their laws. Stops at the first failure and returns the rows that were reached; report() has the status. The
+  // simulator then stands at the last row, or after a failure at the last good posture, which may be later; step() may
+  // go on from there. Exceptions from laws, callbacks and the observer propagate. Throws Error (environment) if there
+  // is no memory for the rows.
   Trajectory run(const Observer& observer = {});
   // The same over `times` (s). It first moves from the start posture to times[0], which may be any time. Equal times
   // give equal rows, and no times give no rows. Throws also Error (input) if they descend or are not finite.
@@ -262,7 +257,7 @@ class Simulator {
   // groups"; empty: they do not.
   [[nodiscard]] std::string machine_code() const;
   // The plan and structure in use; another choice among redundant equations replaces them.
-  [[nodiscard]] const Prepared& prepared() const;
+  [[nodiscard]] Prepared prepared() const;
 
  private:
   Status go_to(double t);
@@ -273,9 +268,7 @@ class Simulator {
                      const Observer& observer);
   [[nodiscard]] bool run_in_chunks(std::span<const double> times, const Observer& observer, Trajectory& out);
   friend Prepared rehearse(Prepared prepared);
-  friend std::vector<double> posture_of(const Simulator& simulator);  // for use inside the library
-  friend Status step_of_run(Simulator& simulator, double t);          // the same: as step(t), but keeps all events
-  friend void use_clock(Simulator& simulator, std::chrono::steady_clock::time_point (*clock)());  // for tests
+  friend struct SimulatorAccess;  // for use inside the library
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

@@ -9,6 +9,7 @@
 #include "decimal.hpp"
 #include "joints/joints.hpp"
 #include "numbers.hpp"
+#include "scene/axes.hpp"
 #include "scene/names.hpp"
 #include "scene/poses.hpp"
 #include "scene/triple.hpp"
@@ -231,9 +232,12 @@ Scene SceneBuilder::finish() {
   JointParts joint_parts{parts->dimension, parts->joints,      parts->points,   parts->vectors,
                          parts->bodies,    parts->constraints, parts->drivers,  parts->measures,
                          parts->limits,    outputs_,           parts->warnings, found_};
-  if (asks_for_pose(parts->bodies, outputs_) || has_joints(joint_parts)) {
+  const AxisParts axis_parts{parts->dimension, parts->vectors, parts->drivers, parts->measures};
+  if (asks_for_pose(parts->bodies, outputs_) || has_joints(joint_parts) || has_written_axes(axis_parts)) {
     parts->written = std::make_shared<const Scene::Parts>(*parts);
   }
+  const std::vector<Diagnostic> wrong_axes = expand_axes(axis_parts);
+  found_.insert(found_.end(), wrong_axes.begin(), wrong_axes.end());
   const std::vector<std::size_t> written = expand_poses({parts->dimension, parts->bodies, parts->measures, outputs_});
   const std::vector<Diagnostic> refused = expand_joints(joint_parts);
   const std::size_t found_before = found_.size();

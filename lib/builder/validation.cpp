@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scene/time_grid.hpp"
 #include "scene/triple.hpp"
 
 namespace assur {
 namespace {
 
-constexpr double kAlong = 1e-6;       // rad; an axis this close to a direction counts as parallel
-constexpr double kWholeSteps = 1e-9;  // largest error of the number of steps, besides the rounding of times
-constexpr double kMostSteps = 1e12;   // hours of computing; doubles count up to it exactly
+constexpr double kAlong = 1e-6;  // rad; an axis this close to a direction counts as parallel
 
 std::string text(const Direction& d) {
   return d.is_pair() ? "the direction from " + in_quotes(d.first) + " to " + in_quotes(d.second) : in_quotes(d.first);
@@ -233,34 +232,7 @@ void Validation::check_vectors() {
 }
 
 void Validation::check_time() {
-  const TimeGrid& time = scene_.time();
-  const Where where("/time");
-  const bool start = finite(time.start, where / "start"), end = finite(time.end, where / "end"),
-             step = finite(time.step, where / "step");  // each call reports its own error
-  if (!start || !end || !step || (time.start == 0 && time.end == 0 && time.step == 0)) return;  // zeros: no grid given
-  if (!(time.step > 0)) {
-    report(where / "step", "the step is " + shortest(time.step) + " s; it must be > 0");
-  } else if (time.end < time.start) {
-    report(where / "end",
-           "the end, " + shortest(time.end) + " s, comes before the start, " + shortest(time.start) + " s");
-  } else {
-    const double steps = (time.end - time.start) / time.step;
-    const double farthest = std::max(std::abs(time.start), std::abs(time.end));
-    const double apart = std::nextafter(farthest, HUGE_VAL) - farthest;  // doubles there; HUGE_VAL for the last ones
-    const bool too_long = std::round(steps) == 0 && time.end > time.start;
-    if (!(steps <= kMostSteps)) {
-      report(where / "step", "(end - start) / step is " + shortest(steps) + "; more than " + shortest(kMostSteps) +
-                                 " steps are not possible");
-    } else if (time.step < 16 * apart) {
-      report(where / "step", "the step of " + shortest(time.step) + " s is lost in rounding: around " +
-                                 shortest(farthest) + " s doubles are " + shortest(apart) +
-                                 " s apart; take times nearer to 0, or longer steps");
-    } else if (too_long || std::abs(steps - std::round(steps)) > kWholeSteps + 4 * apart / time.step) {
-      report(where / "step", "(end - start) / step is " + shortest(steps) +
-                                 "; a whole number of steps is wanted, e.g. to the end " +
-                                 shortest(time.start + std::ceil(steps) * time.step));
-    }
-  }
+  for (Diagnostic& wrong : wrong_grid(scene_.time())) report(Where(wrong.where), std::move(wrong.what));
 }
 
 }  // namespace assur

@@ -88,6 +88,7 @@ class Validation {
     return true;
   }
   void check_value(const std::string& name, const rows::About& about, const Where& where);
+  void check_value(const Anchor&, const rows::About&, const Where&) {}  // the rules of the kinds look at axes
   void check_value(const Direction& way, const rows::About& about, const Where& where);
   void check_value(const Number& number, const rows::About& about, const Where& where);
   void check_value(const std::optional<Number>& number, const rows::About& about, const Where& where);

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "builder/validation_rows.hpp"
+#include "scene/axes.hpp"
 #include "scene/law_sum.hpp"
 #include "scene/triple.hpp"
 
@@ -119,7 +120,7 @@ void Validation::check_arm(const PointAngle& d, const Involved& a, const Involve
   const Triple arm = triple::subtract(b.at, a.at);
   const bool placed = a.usable && b.usable && triple::is_finite(arm);
   if (dimension() == 2) {
-    if (!d.axis.empty()) report(where / "axis", "in the plane every axis is the normal; leave \"axis\" out");
+    if (!axis_of(d).empty()) report(where / "axis", "in the plane every axis is the normal; leave \"axis\" out");
     const auto gives_radius = [](const auto& kept) { return kept.second->template as<Distance>()->value.has_value(); };
     const auto [kept, end] = kept_distances(d.a, d.b);
     if (placed && triple::norm(arm) == 0 && std::none_of(kept, end, gives_radius) &&
@@ -129,14 +130,14 @@ void Validation::check_arm(const PointAngle& d, const Involved& a, const Involve
     }
     return;
   }
-  if (d.axis.empty()) {
-    report(where, "an angle in 3D needs an \"axis\", the name of a vector");
+  if (axis_of(d).empty()) {
+    report(where, "an angle in 3D needs an \"axis\", [x, y, z] or the name of a vector");
     return;
   }
-  const Involved axis = vector(d.axis, where / "axis");
+  const Involved axis = vector(axis_of(d), where / "axis");
   if (!axis.usable) return;
   if (!axis.fixed) {
-    report(where / "axis", in_quotes(d.axis) +
+    report(where / "axis", in_quotes(axis_of(d)) +
                                " moves; about a moving axis use the relative form, the angle from one direction to " +
                                "another: \"angle\": [[\"A\", \"B\"], [\"C\", \"D\"]]");
   } else if (placed &&
@@ -161,11 +162,11 @@ void Validation::check_arm(const PointAngle& d, const Involved& a, const Involve
 void Validation::rule(const RelativeAngle& d, const Driver& driver, const Where& where) {
   const Involved from = involved_[0], to = involved_[1];
   if (dimension() == 2) {
-    if (!d.axis.empty()) report(where / "axis", "in the plane every axis is the normal; leave \"axis\" out");
-  } else if (d.axis.empty()) {
-    report(where, "an angle in 3D needs an \"axis\", the name of a vector");
+    if (!axis_of(d).empty()) report(where / "axis", "in the plane every axis is the normal; leave \"axis\" out");
+  } else if (axis_of(d).empty()) {
+    report(where, "an angle in 3D needs an \"axis\", [x, y, z] or the name of a vector");
   } else {
-    check_axis(d.axis, {{d.d, from}, {d.e, to}}, where / "axis");
+    check_axis(axis_of(d), {{d.d, from}, {d.e, to}}, where / "axis");
   }
   claim("angle from " + std::min(key(d.d), key(d.e)) + " to " + std::max(key(d.d), key(d.e)), driver, where / "angle");
 }

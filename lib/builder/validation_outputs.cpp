@@ -5,6 +5,7 @@
 #include "builder/validation_rows.hpp"
 #include "joints/joints.hpp"
 #include "scene/asked_part.hpp"
+#include "scene/axes.hpp"
 
 namespace assur {
 namespace {
@@ -39,12 +40,12 @@ void Validation::rule(const AngleBetween& m, const Where& where) {
   if (m.d.first == m.e.first && m.d.second == m.e.second) {
     report(where / "angle", "an angle from a direction to itself; two different directions are wanted");
   }
-  if (m.axis.empty()) return;
+  if (axis_of(m).empty()) return;
   if (dimension() == 2) {
     report(where / "axis", "in the plane every axis is the normal; leave \"axis\" out");
   } else {
     const Involved from = involved_[0], to = involved_[1];
-    check_axis(m.axis, {{m.d, from}, {m.e, to}}, where / "axis");
+    check_axis(axis_of(m), {{m.d, from}, {m.e, to}}, where / "axis");
   }
 }
 
@@ -230,7 +231,7 @@ int Validation::auxiliary(const Symbol& symbol, const std::string& name) const {
     }
     const auto* angle = std::get_if<RelativeAngle>(&driver.kind);
     if (angle == nullptr) return 0;
-    const Symbol* axis = symbols_.find(angle->axis);
+    const Symbol* axis = symbols_.find(axis_of(*angle));
     if (name == "across") return dimension() == 3 && axis != nullptr && !axis->fixed ? 3 : 0;
     return name == "rho" ? 1 : 0;
   }

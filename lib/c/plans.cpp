@@ -55,11 +55,13 @@ std::int32_t assur_plan_save(const assur_plan* plan, const char* file) {
 
 void assur_plan_free(assur_plan* plan) { delete plan; }
 
-const char* assur_plan_name(const assur_plan* plan) { return plan != nullptr ? plan->prepared.name.c_str() : nullptr; }
+const char* assur_plan_name(const assur_plan* plan) {
+  return plan != nullptr ? plan->prepared.name().c_str() : nullptr;
+}
 
 std::int32_t assur_plan_time(const assur_plan* plan, double* start, double* end, double* step) {
   return call([&] {
-    const TimeGrid& grid = checked(plan, "plan").prepared.time;
+    const TimeGrid& grid = checked(plan, "plan").prepared.time();
     if (start != nullptr) *start = grid.start;
     if (end != nullptr) *end = grid.end;
     if (step != nullptr) *step = grid.step;

@@ -3,6 +3,7 @@
 #include "c/handles.hpp"
 #include "equations/system.hpp"
 #include "numbers.hpp"
+#include "plan/preparation.hpp"
 
 using namespace assur;
 using assur::c::call;
@@ -27,7 +28,7 @@ std::int32_t stream(Simulator& simulator, const double* times, std::size_t count
                     std::size_t* rows, assur_status* status) {
   bool ends = false;
   const RowSink take = [&](const MemberRows& block) { ends = ends || sink(block); };
-  const Simulator::Observer observe = [&](std::int64_t, std::int64_t) { return ends; };
+  const Observer observe = [&](std::int64_t, std::int64_t) { return ends; };
   RowSelection selection;
   selection.every = every;
   const std::size_t reached = times != nullptr ? simulator.stream(selection, take, std::span(times, count), observe)
@@ -96,8 +97,8 @@ const char* assur_simulator_place_name(const assur_simulator* simulator, std::in
   if (simulator == nullptr) return nullptr;
   const Simulator& of = simulator->simulator;
   const auto among = [&](const auto& all) { return index >= 0 && static_cast<std::size_t>(index) < all.size(); };
-  const bool is_known = place == ASSUR_PLACE_DRIVER   ? among(of.prepared().structure->system->drivers)
-                        : place == ASSUR_PLACE_GROUP  ? among(of.prepared().structure->groups)
+  const bool is_known = place == ASSUR_PLACE_DRIVER   ? among(preparation(of.prepared()).structure->system->drivers)
+                        : place == ASSUR_PLACE_GROUP  ? among(preparation(of.prepared()).structure->groups)
                         : place == ASSUR_PLACE_TARGET ? among(simulator->driver_names)
                         : place == ASSUR_PLACE_LIMIT  ? among(of.limits())
                                                       : false;
@@ -125,7 +126,7 @@ std::int32_t assur_simulator_run(assur_simulator* simulator, const double* times
     Simulator& of = simulator_of(simulator);
     const std::size_t columns = of.columns().size();
     if (count > 0) (void)checked(values, "values");
-    const std::vector<double> at = c::times_of(times, count, of.prepared().time);
+    const std::vector<double> at = c::times_of(times, count, of.prepared().time());
     c::check_stride("row_stride", row_stride, at.size(), columns);
     double* to = values;
     const auto store = [&](const MemberRows& block) {

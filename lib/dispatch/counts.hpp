@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "assur/backend.hpp"
-#include "assur/structure.hpp"
+#include "structure/grouped_system.hpp"
 
 namespace assur {
 

@@ -35,10 +35,10 @@ struct Batch {
   std::int32_t group_class = 0, level = 0, groups = 0;
 };
 
-std::vector<Batch> batches_of(const Structure& s) {
+std::vector<Batch> batches_of(const GroupedSystem& s) {
   std::vector<Batch> batches;
   std::vector<std::int32_t> last(s.classes.size(), -1);  // batch of each class
-  for (const Group& g : s.groups) {                      // level after level
+  for (const SolvedGroup& g : s.groups) {                // level after level
     std::int32_t& at = last[idx(g.group_class)];
     if (at < 0 || batches[idx(at)].level != g.level) {
       at = static_cast<std::int32_t>(batches.size());
@@ -56,7 +56,7 @@ struct ClassLoad {
   [[nodiscard]] bool single() const { return most == 1 && alone; }  // never two packs at the same time
 };
 
-std::vector<ClassLoad> loads_of(const Structure& s, const std::vector<Batch>& batches) {
+std::vector<ClassLoad> loads_of(const GroupedSystem& s, const std::vector<Batch>& batches) {
   std::vector<std::int32_t> classes_on(idx(s.levels), 0);
   for (const Batch& b : batches) ++classes_on[idx(b.level)];
   std::vector<ClassLoad> loads(s.classes.size());
@@ -102,8 +102,8 @@ Plan::Choice choice_of(std::int32_t group_class, const Shape& shape, std::vector
 // Time of a step besides its packs. If threads run for the levels and outputs are many, the threads share the outputs.
 class Around {
  public:
-  Around(const Structure& s, const PerformanceModel& model) : model_(model) {
-    for (const Group& g : s.groups) unknowns_ += s.classes[idx(g.group_class)].n;
+  Around(const GroupedSystem& s, const PerformanceModel& model) : model_(model) {
+    for (const SolvedGroup& g : s.groups) unknowns_ += s.classes[idx(g.group_class)].n;
     for (const Output& o : wanted_outputs(*s.system)) {
       const std::int64_t wanted = o.wanted[0] + o.wanted[1] + o.wanted[2];
       columns_ += static_cast<std::int64_t>(o.part_count) * wanted;
@@ -130,10 +130,10 @@ class Around {
 };
 
 // Number of known coordinates, and of unknowns of earlier levels, that each level reads.
-std::vector<std::int64_t> read_by_levels(const Structure& s) {
+std::vector<std::int64_t> read_by_levels(const GroupedSystem& s) {
   std::vector<std::int64_t> read(idx(s.levels), 0);
   std::vector<std::int32_t> last(s.system->coordinates.size(), -1);  // level that reads a coordinate
-  for (const Group& g : s.groups) {
+  for (const SolvedGroup& g : s.groups) {
     for (const std::int32_t c : g.inputs) {
       if (std::exchange(last[idx(c)], g.level) != g.level) ++read[idx(g.level)];
     }
@@ -144,7 +144,7 @@ std::vector<std::int64_t> read_by_levels(const Structure& s) {
 // Chooses the threads of each level and computes the time of all levels. A level is shared only if that saves time; one
 // level is also shared if the outputs then save time. The threads start together once a step; their waits between
 // levels are the smaller part of a meeting.
-void share_levels(Plan& plan, const Structure& s, const std::vector<Batch>& batches, std::int32_t budget,
+void share_levels(Plan& plan, const GroupedSystem& s, const std::vector<Batch>& batches, std::int32_t budget,
                   const Around& around, const PerformanceModel& model) {
   const std::int32_t p = plan.run.threads;
   plan.meeting_seconds = kMeetings * model.meeting(p).seconds;
@@ -282,7 +282,7 @@ Plan::Choice choice_together(std::int32_t group_class, const Shape& shape, const
 }
 
 // The groups of all levels at once, if they are small.
-std::optional<Plan> together_plan(const Structure& s, const std::vector<Shape>& shapes, const Around& around,
+std::optional<Plan> together_plan(const GroupedSystem& s, const std::vector<Shape>& shapes, const Around& around,
                                   const Scales& scales) {
   const bool left_out = std::find(scales.without.begin(), scales.without.end(), kLanes.id) != scales.without.end();
   const auto is_large = [](const Shape& shape) { return shape.n > kMostChosenTogether; };
@@ -319,7 +319,8 @@ std::string threads_reason(const Plan& best, std::int32_t budget, double alone, 
 }
 
 // Chooses the W with the least time for each mechanism.
-Plan best_throughput(const Structure& s, const std::vector<Shape>& shapes, std::int32_t threads, const Scales& scales) {
+Plan best_throughput(const GroupedSystem& s, const std::vector<Shape>& shapes, std::int32_t threads,
+                     const Scales& scales) {
   std::optional<Plan> best;
   const double around = Around(s, scales.model).seconds(1);
   const Offers offered = offers_of(
@@ -337,7 +338,8 @@ Plan best_throughput(const Structure& s, const std::vector<Shape>& shapes, std::
 }
 
 // Chooses the p with the least time for a step.
-Plan best_latency(const Structure& s, const std::vector<Shape>& shapes, std::int32_t allowed, const Scales& scales) {
+Plan best_latency(const GroupedSystem& s, const std::vector<Shape>& shapes, std::int32_t allowed,
+                  const Scales& scales) {
   const std::int32_t budget = tuned_for_one_thread(scales.model) ? 1 : allowed;
   const std::vector<Batch> batches = batches_of(s);
   const std::vector<ClassLoad> classes = loads_of(s, batches);
@@ -368,22 +370,22 @@ Plan best_latency(const Structure& s, const std::vector<Shape>& shapes, std::int
 
 }  // namespace
 
-std::vector<Shape> class_shapes(const Structure& s) {
+std::vector<Shape> class_shapes(const GroupedSystem& s) {
   std::vector<std::int32_t> groups(s.classes.size(), 0);
-  for (const Group& g : s.groups) ++groups[idx(g.group_class)];
+  for (const SolvedGroup& g : s.groups) ++groups[idx(g.group_class)];
   std::vector<Shape> shapes;
   for (std::size_t c = 0; c < s.classes.size(); ++c) shapes.push_back(shape_of(s.classes[c], groups[c]));
   return shapes;
 }
 
-void expect(Plan& plan, const Structure& structure, const PerformanceModel& model) {
+void expect(Plan& plan, const GroupedSystem& structure, const PerformanceModel& model) {
   expect_packs(plan, model);
   std::int32_t most_q = 1;
   for (const Plan::Choice& c : plan.choices) most_q = std::max(most_q, c.solver.threads);
   share_levels(plan, structure, batches_of(structure), plan.run.threads * most_q, Around(structure, model), model);
 }
 
-BesideGroups beside_groups(const Structure& structure, const PerformanceModel& model, std::int32_t threads) {
+BesideGroups beside_groups(const GroupedSystem& structure, const PerformanceModel& model, std::int32_t threads) {
   const Around around(structure, model);
   return {.around = around.seconds(threads),
           .storing = kStoring * static_cast<double>(around.columns()),
@@ -392,7 +394,7 @@ BesideGroups beside_groups(const Structure& structure, const PerformanceModel& m
           .pieces = around.pieces()};
 }
 
-Plan dispatch(const Structure& s, const Task& task, const Scales& scales) {
+Plan dispatch(const GroupedSystem& s, const Task& task, const Scales& scales) {
   const std::vector<Shape> shapes = class_shapes(s);
   Plan plan = task.mode == Mode::throughput ? best_throughput(s, shapes, task.threads, scales)
                                             : best_latency(s, shapes, task.threads, scales);

@@ -14,10 +14,10 @@ struct Task {
 
 // The plan with the shortest expected time. The caller sets predictor and chunks. The same structure, model and task
 // give the same plan. Throws Error (environment) if no backend can solve a class.
-[[nodiscard]] Plan dispatch(const Structure& structure, const Task& task, const Scales& scales);
+[[nodiscard]] Plan dispatch(const GroupedSystem& structure, const Task& task, const Scales& scales);
 
 // Shape of every class with all counts, in the order of the classes.
-[[nodiscard]] std::vector<Shape> class_shapes(const Structure& structure);
+[[nodiscard]] std::vector<Shape> class_shapes(const GroupedSystem& structure);
 
 // Expected time of a step beyond the solution of its groups, s.
 struct BesideGroups {
@@ -26,10 +26,10 @@ struct BesideGroups {
   std::int64_t outputs = 0;
   std::int64_t unknowns = 0, pieces = 0;  // arguments of PerformanceModel::around()
 };
-[[nodiscard]] BesideGroups beside_groups(const Structure& structure, const PerformanceModel& model,
+[[nodiscard]] BesideGroups beside_groups(const GroupedSystem& structure, const PerformanceModel& model,
                                          std::int32_t threads);
 
 // Sets the expected times of a plan, also of a plan with forced strategies.
-void expect(Plan& plan, const Structure& structure, const PerformanceModel& model);
+void expect(Plan& plan, const GroupedSystem& structure, const PerformanceModel& model);
 
 }  // namespace assur

@@ -32,21 +32,21 @@ std::string why_not_together(const Strategy& strategy) {
   return "";
 }
 
-std::string why_not_together(const Structure& structure) {
+std::string why_not_together(const GroupedSystem& structure) {
   Strategy narrowest;
   narrowest.solver.backend = kLanes.id;
   narrowest.solver.lanes = kLeastTogetherLanes;
   return why_not_together(structure, narrowest);
 }
 
-std::string why_not_together(const Structure& structure, const Strategy& strategy) {
+std::string why_not_together(const GroupedSystem& structure, const Strategy& strategy) {
   if (std::string reason = why_not_together(strategy); !reason.empty()) return reason;
   const auto refusal = [&](const auto& of_classes) -> std::string {
     for (std::size_t c = 0; c < of_classes.size(); ++c) {
       const std::string reason = why_not(of_classes[c]);
       if (reason.empty()) continue;
       const auto group = std::find_if(structure.groups.begin(), structure.groups.end(),
-                                      [&](const Group& g) { return idx(g.group_class) == c; });
+                                      [&](const SolvedGroup& g) { return idx(g.group_class) == c; });
       return "+together needs groups of up to " + std::to_string(lanes::kMostReserved) + " unknowns, with up to " +
              std::to_string(kMostCoupledRows) + " equations that read other groups, but group " + group->name + " " +
              reason;

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "assur/strategy.hpp"
-#include "assur/structure.hpp"
+#include "structure/grouped_system.hpp"
 
 namespace assur {
 
@@ -16,8 +16,8 @@ inline constexpr int kMostChosenTogether = 3;  // unknowns
 // The reason why +together cannot be used with the other settings of a strategy; "": it can.
 [[nodiscard]] std::string why_not_together(const Strategy& strategy);
 // The same for the groups of a structure, whatever the number of lanes.
-[[nodiscard]] std::string why_not_together(const Structure& structure);
+[[nodiscard]] std::string why_not_together(const GroupedSystem& structure);
 // The same, with a structure and a strategy.
-[[nodiscard]] std::string why_not_together(const Structure& structure, const Strategy& strategy);
+[[nodiscard]] std::string why_not_together(const GroupedSystem& structure, const Strategy& strategy);
 
 }  // namespace assur

@@ -9,7 +9,7 @@
 
 namespace assur {
 
-int angles_together(const System& s, const Structure& structure) {
+int angles_together(const System& s, const GroupedSystem& structure) {
   std::size_t laws = 0;
   for (const DriverInput& in : s.inputs) laws += in.laws.size();
   const std::size_t words = (laws + 63) / 64;
@@ -28,7 +28,7 @@ int angles_together(const System& s, const Structure& structure) {
   for (const Assignment& a : s.assignments) {
     for (const Term& t : s.form(a.form)) add(a.coordinate, t.coordinate);
   }
-  for (const Group& group : structure.groups) {
+  for (const SolvedGroup& group : structure.groups) {
     if (group.unknowns.empty()) continue;
     const std::int32_t first = group.unknowns.front();
     for (const std::int32_t c : group.inputs) add(first, c);

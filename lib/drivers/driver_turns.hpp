@@ -6,8 +6,8 @@
 #include <cstddef>
 #include <span>
 
-#include "assur/structure.hpp"
 #include "equations/system.hpp"
+#include "structure/grouped_system.hpp"
 
 namespace assur {
 
@@ -29,6 +29,6 @@ inline constexpr double kStepOfDrivers = 1;  // rad
 }
 
 // The most driven angles that one coordinate depends on: the last link of an arm turns by the sum of its joints.
-[[nodiscard]] int angles_together(const System& system, const Structure& structure);
+[[nodiscard]] int angles_together(const System& system, const GroupedSystem& structure);
 
 }  // namespace assur

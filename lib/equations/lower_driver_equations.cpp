@@ -1,4 +1,5 @@
 #include "equations/lowering_parts.hpp"
+#include "scene/axes.hpp"
 
 namespace assur {
 
@@ -35,7 +36,7 @@ void DriverWriter::write_polar_arm(Index from, const Driver& d, const PointAngle
   const Item &foot = forms_.item(a.a), &end = forms_.item(a.b);
   const bool in_space = forms_.dimension() == 3;
   const Index length = in_space ? forms_.item(d.name + ".rho").form[0] : input_form(partner(n), 0);
-  const Triple axis = in_space ? forms_.at(a.axis) : Triple{}, e1 = zero_of(a), e2 = triple::cross(axis, e1);
+  const Triple axis = in_space ? forms_.at(axis_of(a)) : Triple{}, e1 = zero_of(a), e2 = triple::cross(axis, e1);
   const Number z = along_axis(a);
   for (int k = 0; k < forms_.dimension(); ++k) {
     const auto i = static_cast<std::size_t>(k);
@@ -80,8 +81,8 @@ void DriverWriter::write(Index from, const Driver& driver, const RelativeAngle& 
   products.clear();
   if (forms_.dimension() == 2) {
     products = {{d.form[0], e.form[1], kPlus}, {d.form[1], e.form[0], kMinus}};
-  } else if (forms_.is_fixed(forms_.item(r.axis))) {
-    const Triple a = forms_.at(r.axis);
+  } else if (forms_.is_fixed(forms_.item(axis_of(r)))) {
+    const Triple a = forms_.at(axis_of(r));
     for (int k = 0; k < 3; ++k) {
       const Number& c = a[static_cast<std::size_t>(k)];
       products.push_back({d.form[kNext[k]], e.form[kAfter[k]], forms_.constant(c)});
@@ -89,7 +90,7 @@ void DriverWriter::write(Index from, const Driver& driver, const RelativeAngle& 
     }
   } else {
     const Item& across = forms_.item(driver.name + ".across");
-    forms_.cross_equation(from, across.form, forms_.item(r.axis).form, d.form);
+    forms_.cross_equation(from, across.form, forms_.item(axis_of(r)).form, d.form);
     forms_.add_dot(products, across.form, e.form);
   }
   products.push_back({rho, input_form(n, 1), kMinus});
@@ -116,13 +117,13 @@ void DriverWriter::note_own(std::vector<Index>& own, const PointAngle& a) {
     own.push_back(forms_.constant_form(zero[static_cast<std::size_t>(k)], 0));
   }
   append_own(own, {a.a, a.b});
-  if (forms_.dimension() == 3) append_own(own, a.axis);
+  if (forms_.dimension() == 3) append_own(own, axis_of(a));
 }
 
 void DriverWriter::note_own(std::vector<Index>& own, const RelativeAngle& r) {
   append_own(own, r.d);
   append_own(own, r.e);
-  if (forms_.dimension() == 3) append_own(own, r.axis);
+  if (forms_.dimension() == 3) append_own(own, axis_of(r));
 }
 
 void DriverWriter::note_own(std::vector<Index>& own, const DrivenDistance& d) { append_own(own, {d.a, d.b}); }

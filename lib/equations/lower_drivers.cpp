@@ -2,6 +2,7 @@
 
 #include "equations/lowering_parts.hpp"
 #include "index.hpp"
+#include "scene/axes.hpp"
 
 namespace assur {
 
@@ -13,7 +14,7 @@ void DriverWriter::declare_auxiliaries() {
   for (std::size_t i = 0; i < drivers.size(); ++i) {
     const Driver& d = drivers[i];
     if (const auto* a = std::get_if<PointAngle>(&d.kind); a != nullptr && forms_.dimension() == 3 && partner_[i] >= 0) {
-      const Triple axis = forms_.at(a->axis);
+      const Triple axis = forms_.at(axis_of(*a));
       const Triple across = triple::cross(axis, triple::subtract(forms_.at(a->b), forms_.at(a->a)));
       declare_rho(static_cast<Index>(i), 1, triple::length(across));
     }
@@ -22,9 +23,9 @@ void DriverWriter::declare_auxiliaries() {
     const Triple from = forms_.at(r->d), to = forms_.at(r->e);
     const int power = forms_.power(r->d) + forms_.power(r->e);
     declare_rho(static_cast<Index>(i), power, triple::length(from) * triple::length(to));
-    if (forms_.dimension() == 3 && !forms_.is_fixed(forms_.item(r->axis))) {
+    if (forms_.dimension() == 3 && !forms_.is_fixed(forms_.item(axis_of(*r)))) {
       const std::string across = d.name + ".across";
-      forms_.declare(across, triple::cross(forms_.at(r->axis), from), false, forms_.power(r->d));
+      forms_.declare(across, triple::cross(forms_.at(axis_of(*r)), from), false, forms_.power(r->d));
       shared_.without_norm.insert(across);
     }
   }
@@ -178,14 +179,14 @@ void DriverWriter::assign(Index coordinate, Index form) {
 // The direction from A to B at the angle 0.
 Triple DriverWriter::zero_of(const PointAngle& a) const {
   if (forms_.dimension() == 2) return {1, 0, 0};
-  const Triple ab = triple::subtract(forms_.at(a.b), forms_.at(a.a)), axis = forms_.at(a.axis);
+  const Triple ab = triple::subtract(forms_.at(a.b), forms_.at(a.a)), axis = forms_.at(axis_of(a));
   return direction_of(triple::subtract(ab, triple::scale(triple::dot(ab, axis), axis)));
 }
 
 // The part of AB along the axis; 0 in the plane.
 Number DriverWriter::along_axis(const PointAngle& a) const {
   if (forms_.dimension() == 2) return 0;
-  return triple::dot(triple::subtract(forms_.at(a.b), forms_.at(a.a)), forms_.at(a.axis));
+  return triple::dot(triple::subtract(forms_.at(a.b), forms_.at(a.a)), forms_.at(axis_of(a)));
 }
 
 // B = A + r (cos, sin) in the plane; A + z n + r (cos e1 + sin e2) about a fixed axis n in space.
@@ -199,7 +200,7 @@ Index DriverWriter::arm_end(const Driver& d, const PointAngle& a, Index n, int k
     forms_.append(terms, input_form(n, k), forms_.constant(length, 1));
     return forms_.form(terms);
   }
-  const Triple axis = forms_.at(a.axis);
+  const Triple axis = forms_.at(axis_of(a));
   const Number z = along_axis(a);
   const Triple e1 = zero_of(a), e2 = triple::cross(axis, e1);
   const Number r = sqrt(length * length - z * z);

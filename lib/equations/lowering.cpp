@@ -9,6 +9,7 @@
 #include "equations/lowering_parts.hpp"
 #include "equations/own_values.hpp"
 #include "index.hpp"
+#include "scene/axes.hpp"
 #include "scene/law_sum.hpp"
 #include "scene/names.hpp"
 
@@ -96,11 +97,11 @@ void declare(Forms& forms, MeasureForms& out, const AbsoluteAngle& a) {
 }
 
 void declare(Forms& forms, MeasureForms& out, const AngleBetween& b) {
-  const bool is_signed = forms.dimension() == 2 || !b.axis.empty();
+  const bool is_signed = forms.dimension() == 2 || !axis_of(b).empty();
   out.kind = is_signed ? MeasureForms::Kind::signed_angle : MeasureForms::Kind::unsigned_angle;
   append(forms, out, b.d);
   append(forms, out, b.e);
-  if (!b.axis.empty()) append(forms, out, b.axis);
+  if (!axis_of(b).empty()) append(forms, out, axis_of(b));
 }
 
 void declare(Forms& forms, MeasureForms& out, const MeasuredDistance& d) {

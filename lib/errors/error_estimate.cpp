@@ -35,7 +35,7 @@ constexpr double kSlowerThan = 1.0 / 16;  // part of the fastest rate: differenc
 
 double ErrorEstimate::Figures::worst() const { return std::max({position, velocity, acceleration}); }
 
-ErrorEstimate::ErrorEstimate(const Structure& structure, Layout& layout, std::span<const OutputProgram> outputs,
+ErrorEstimate::ErrorEstimate(const GroupedSystem& structure, Layout& layout, std::span<const OutputProgram> outputs,
                              double accuracy)
     : layout_(layout),
       static_(*structure.system, structure),

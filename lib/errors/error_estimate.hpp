@@ -36,7 +36,8 @@ class ErrorEstimate {
 
   // outputs: of the mechanism, or of each mechanism in the lanes of a tile. All arguments must outlive the estimate.
   // accuracy: larger errors are in doubt; 0: errors larger than kDoubtfulError.
-  ErrorEstimate(const Structure& structure, Layout& layout, std::span<const OutputProgram> outputs, double accuracy);
+  ErrorEstimate(const GroupedSystem& structure, Layout& layout, std::span<const OutputProgram> outputs,
+                double accuracy);
 
   // From now on differentiates the outputs of all lanes by step programs, which must outlive the estimate.
   void use(OutputSteps& steps) { output_steps_ = &steps; }

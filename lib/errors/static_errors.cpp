@@ -50,7 +50,7 @@ double rounding(const System& s, Index equation, const std::vector<double>& q) {
 
 }  // namespace
 
-StaticErrors::StaticErrors(const System& system, const Structure& structure)
+StaticErrors::StaticErrors(const System& system, const GroupedSystem& structure)
     : coordinates_(structure.static_coordinates) {
   std::vector<std::uint8_t> stands(system.coordinates.size(), 0), watched(system.equations.size(), 0);
   for (const std::int32_t c : coordinates_) stands[idx(c)] = 1;

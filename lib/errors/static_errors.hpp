@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "assur/structure.hpp"
+#include "structure/grouped_system.hpp"
 
 namespace assur {
 
@@ -14,9 +14,9 @@ namespace assur {
 class StaticErrors {
  public:
   // A loaded plan has no equations of static coordinates; the list is then empty.
-  StaticErrors(const System& system, const Structure& structure);
+  StaticErrors(const System& system, const GroupedSystem& structure);
 
-  // Structure::static_coordinates, or an empty list.
+  // GroupedSystem::static_coordinates, or an empty list.
   [[nodiscard]] std::span<const std::int32_t> coordinates() const { return coordinates_; }
 
   // Errors [k * coordinates + i] of coordinate i: for k = 0 from the residuals of the equations, for k = 1 ... probes

@@ -7,10 +7,10 @@
 #include <span>
 #include <string>
 
-#include "assur/structure.hpp"
 #include "backends/lanes_elimination.hpp"
 #include "evaluation/coefficients.hpp"
 #include "executors/executor.hpp"
+#include "structure/grouped_system.hpp"
 
 namespace assur {
 

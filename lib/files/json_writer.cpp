@@ -113,7 +113,7 @@ bool is_same(const Triple& a, const Triple& b) {
 }
 bool is_same(const Anchor& a, const Anchor& b) {
   const auto *x = std::get_if<Triple>(&a), *y = std::get_if<Triple>(&b);
-  return x != nullptr && y != nullptr && is_same(*x, *y);
+  return x != nullptr && y != nullptr ? is_same(*x, *y) : a == b;
 }
 template <class T>
 bool is_same(const std::vector<T>& a, const std::vector<T>& b) {

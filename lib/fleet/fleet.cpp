@@ -56,8 +56,8 @@ Fleet::Fleet(std::vector<Linkage> linkages) : size_(linkages.size()) {
 
 Fleet::Fleet(std::size_t linkages, Source source) : size_(linkages), source_(std::move(source)) {}
 
-FleetReport Fleet::run(std::span<const double> times, const Sink& sink, const FleetOptions& options, std::size_t first,
-                       std::size_t last) const {
+FleetReport Fleet::stream(const Sink& sink, std::span<const double> times, const FleetOptions& options) const {
+  const std::size_t first = options.first, last = options.last == FleetOptions::kAll ? size_ : options.last;
   if (times.empty()) throw Error(Error::Kind::input, "a fleet needs at least one time");
   check_times(times);
   if (first > last || last > size_) {
@@ -70,7 +70,12 @@ FleetReport Fleet::run(std::span<const double> times, const Sink& sink, const Fl
   Team team(static_cast<int>(std::min(parts, static_cast<std::size_t>(options.threads))));
   std::vector<FleetReport> reports(static_cast<std::size_t>(team.size()));
   std::atomic<std::size_t> next{first};
+  std::atomic<std::int64_t> done{0};
   std::atomic<bool> stopped{false}, failed{false};
+  const auto wants_stop = [&] {
+    return options.observer &&
+           options.observer(done.load(std::memory_order_relaxed), static_cast<std::int64_t>(last - first));
+  };
   team.run([&](int rank) {
     FleetReport& report = reports[static_cast<std::size_t>(rank)];
     Linkage linkage;
@@ -80,7 +85,7 @@ FleetReport Fleet::run(std::span<const double> times, const Sink& sink, const Fl
       for (std::size_t begin; (begin = next.fetch_add(kTogether)) < last;) {
         for (std::size_t i = begin; i < std::min(begin + kTogether, last); ++i) {
           if (failed.load(std::memory_order_relaxed) || stopped.load(std::memory_order_relaxed)) return;
-          if (options.stop && options.stop()) {
+          if (rank == 0 && wants_stop()) {
             stopped = true;
             return;
           }
@@ -90,6 +95,7 @@ FleetReport Fleet::run(std::span<const double> times, const Sink& sink, const Fl
           count(motion, prepared.dyads(), report);
           report.divided = run.divided();
           sink(i, motion);
+          ++done;
         }
       }
     } catch (...) {
@@ -119,7 +125,7 @@ FleetSummary Fleet::summarize(std::span<const double> times, const FleetOptions&
     summary.finish();
     out.members[i] = {motion.status, motion.reached, columns[0], columns[1]};
   };
-  (void)run(times, sink, options);
+  (void)stream(sink, times, options);
   return out;
 }
 

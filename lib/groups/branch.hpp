@@ -22,10 +22,10 @@
 #include <vector>
 
 #include "assur/backend.hpp"
-#include "assur/structure.hpp"
 #include "evaluation/coefficients.hpp"
 #include "groups/box_test.hpp"
 #include "numbers.hpp"
+#include "structure/grouped_system.hpp"
 
 namespace assur {
 

@@ -17,7 +17,7 @@ constexpr double kSameSolution = 1e-8;  // typical lengths are 1; solutions diff
 
 }  // namespace
 
-GroupSolver::GroupSolver(const System& system, const Structure& structure, std::int32_t group_class,
+GroupSolver::GroupSolver(const System& system, const GroupedSystem& structure, std::int32_t group_class,
                          const Plan::Choice& choice, std::span<const Backend> table)
     : work_(system, structure.classes[idx(group_class)], choice.solver.lanes),
       solver_(work_, choice, table),

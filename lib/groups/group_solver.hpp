@@ -25,8 +25,8 @@ namespace assur {
 class GroupSolver {
  public:
   // Throws Error (environment) if the backend cannot run here.
-  GroupSolver(const System& system, const Structure& structure, std::int32_t group_class, const Plan::Choice& choice,
-              std::span<const Backend> table);
+  GroupSolver(const System& system, const GroupedSystem& structure, std::int32_t group_class,
+              const Plan::Choice& choice, std::span<const Backend> table);
   // Takes ordinary steps by machine code, if there is some for them, with the same bits.
   void use(StepCode& code);
   [[nodiscard]] bool is_coded(const Pack& pack) const { return is_coded_ || pack.machine_code.step != nullptr; }

@@ -6,13 +6,13 @@
 #include <memory>
 #include <span>
 
-#include "assur/structure.hpp"
 #include "evaluation/coefficients.hpp"
 #include "evaluation/evaluator.hpp"
 #include "evaluation/lane_array.hpp"
 #include "groups/pack.hpp"
 #include "groups/pack_kernels.hpp"
 #include "index.hpp"
+#include "structure/grouped_system.hpp"
 
 namespace assur {
 

@@ -53,7 +53,7 @@ class Mechanism {
     p.q = s_.guess;
     p.time = scene.time().start;
     const std::vector<Index> unknowns = p.unknowns;
-    Structure found;
+    GroupedSystem found;
     assemble_start(s_, p, found);
     checks_ = found.checks;
     blocks_ = std::move(p.blocks);
@@ -513,7 +513,7 @@ Prepared prepare_in_modes(const Scene& scene, const std::vector<ModeChoice>& cho
   if (const std::string group = mechanism.unassembled(); !group.empty()) {
     throw Error(Error::Kind::numerical, "group " + group + " cannot be assembled in the chosen modes; choose others");
   }
-  Prepared prepared = prepare_at(scene, options, {mechanism.posture(), scene.time().start, true});
+  Preparation prepared = prepare_at(scene, options, {mechanism.posture(), scene.time().start, true});
   const std::vector<double>& start = prepared.structure->start;
   for (const ModeChoice& c : chosen) {
     const Members& m = mechanism.group(mechanism.find(c.group));
@@ -524,7 +524,7 @@ Prepared prepare_in_modes(const Scene& scene, const std::vector<ModeChoice>& cho
                                               " has another value at the start");
     }
   }
-  return prepared;
+  return Preparation::shared(std::move(prepared));
 }
 
 }  // namespace assur

@@ -44,7 +44,7 @@ std::string start_beside(const System& system, double time) {
 
 }  // namespace
 
-Continuation::Continuation(const Prepared& prepared, const StepSettings& settings, Report& report, EventLog& events)
+Continuation::Continuation(const Preparation& prepared, const StepSettings& settings, Report& report, EventLog& events)
     : prepared_(prepared),
       settings_(settings),
       report_(report),

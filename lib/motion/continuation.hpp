@@ -12,7 +12,6 @@
 #include <utility>
 #include <vector>
 
-#include "assur/plan.hpp"
 #include "assur/report.hpp"
 #include "assur/step_settings.hpp"
 #include "drivers/inputs.hpp"
@@ -27,6 +26,7 @@
 #include "motion/together.hpp"
 #include "motion/whole_step.hpp"
 #include "numbers.hpp"
+#include "plan/preparation.hpp"
 #include "program/step_rules.hpp"
 
 namespace assur {
@@ -36,7 +36,7 @@ class Continuation {
  public:
   // All arguments must outlive it. It adds counters and errors to the report.
   // Throws Error (environment) if a backend of the plan cannot run here.
-  Continuation(const Prepared& prepared, const StepSettings& settings, Report& report, EventLog& events);
+  Continuation(const Preparation& prepared, const StepSettings& settings, Report& report, EventLog& events);
 
   // Signed angles that follow the postures from start() on; must outlive the continuation.
   void follow(AngleTurns& turns) { mechanism_.follow(turns); }
@@ -151,7 +151,7 @@ class Continuation {
   // True if the current posture is a limit: no linear system there gives rates.
   [[nodiscard]] bool on_change_point() const { return now_ == limit_at_; }
   [[nodiscard]] const StepErrors& errors() const { return last_errors_; }
-  // The limited quantities, as in Prepared::start_limits.
+  // The limited quantities, as in Preparation::start_limits.
   [[nodiscard]] std::vector<double> limited() const { return mechanism_.limited(); }
 
   [[nodiscard]] Layout& layout() { return layout_; }
@@ -215,11 +215,11 @@ class Continuation {
   [[nodiscard]] Noticed about_limit(const LimitWatch::Change& change) const;
   void record(Noticed event, double step);
 
-  const Prepared& prepared_;
+  const Preparation& prepared_;
   const StepSettings& settings_;
   Report& report_;
   EventLog& events_;
-  const Structure& structure_;
+  const GroupedSystem& structure_;
   const System& system_;
   Inputs inputs_;
   Layout layout_;

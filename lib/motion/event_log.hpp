@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "assur/report.hpp"
-#include "assur/structure.hpp"
 #include "outputs/columns.hpp"
+#include "structure/grouped_system.hpp"
 
 namespace assur {
 
@@ -21,11 +21,11 @@ struct Noticed {
   Place about;  // Event::group names it
   Code kind = Code::ok;
   double figure = 0;
-  std::int32_t bound = -1;                          // of System::bounds, if the event is about a limit
-  std::int32_t watched = -1;                        // of Structure::watched, if a redundant equation no longer holds
-  Missing missing = {};                             // of the first inaccurate row
-  std::shared_ptr<const Structure> structure = {};  // its groups and watched equations
-  std::unique_ptr<Event> told = {};                 // texts that cannot be looked up; null: none
+  std::int32_t bound = -1;    // of System::bounds, if the event is about a limit
+  std::int32_t watched = -1;  // of GroupedSystem::watched, if a redundant equation no longer holds
+  Missing missing = {};       // of the first inaccurate row
+  std::shared_ptr<const GroupedSystem> structure = {};  // its groups and watched equations
+  std::unique_ptr<Event> told = {};                     // texts that cannot be looked up; null: none
 
   // An event with its texts; allocates.
   [[nodiscard]] static Noticed all_of(Event event) {

@@ -29,7 +29,7 @@ struct Independence::Unit {
 
 Independence::~Independence() = default;
 
-Independence::Independence(const System& system, const Structure& structure, std::span<const std::int32_t> address)
+Independence::Independence(const System& system, const GroupedSystem& structure, std::span<const std::int32_t> address)
     : system_(system),
       address_(address),
       unit_of_(system.coordinates.size(), -1),
@@ -54,13 +54,13 @@ Independence::Independence(const System& system, const Structure& structure, std
 }
 
 // Collects the blocks of the groups, level after level, that the watched equations depend on.
-void Independence::collect(const Structure& structure) {
+void Independence::collect(const GroupedSystem& structure) {
   std::vector<std::size_t> order(structure.groups.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t a, std::size_t b) { return structure.groups[a].level < structure.groups[b].level; });
   for (const std::size_t g : order) {
-    const Group& group = structure.groups[g];
+    const SolvedGroup& group = structure.groups[g];
     const GroupClass& c = structure.classes[idx(group.group_class)];
     std::vector<Unit> blocks(idx(c.blocks));
     for (std::size_t i = 0; i < group.unknowns.size(); ++i) {

@@ -10,8 +10,8 @@
 #include <span>
 #include <vector>
 
-#include "assur/structure.hpp"
 #include "equations/system.hpp"
+#include "structure/grouped_system.hpp"
 
 namespace assur {
 
@@ -22,7 +22,7 @@ inline constexpr double kPoorSet = 4;
 class Independence {
  public:
   // `address`: coordinates -> index into the state arrays. All must outlive it.
-  Independence(const System& system, const Structure& structure, std::span<const std::int32_t> address);
+  Independence(const System& system, const GroupedSystem& structure, std::span<const std::int32_t> address);
   ~Independence();
 
   // True if no equation is redundant, or if a block is too large to examine (more than 200 unknowns).
@@ -48,7 +48,7 @@ class Independence {
     std::vector<std::uint32_t> ends = {};  // entries: of the range of slopes
   };
   struct Unit;  // equations and unknowns that are solved together: an irreducible block of a group
-  void collect(const Structure& structure);
+  void collect(const GroupedSystem& structure);
   void keep_those_behind();
   void reserve();
   void prepare(Row& row) const;

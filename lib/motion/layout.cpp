@@ -5,17 +5,17 @@
 #include <tuple>
 
 #include "index.hpp"
-#include "structure/at_rest.hpp"
+#include "structure/grouped_system.hpp"
 
 namespace assur {
 namespace {
 
-std::vector<Pack> fill_packs(const Structure& structure, const std::vector<std::unique_ptr<GroupSolver>>& solvers) {
+std::vector<Pack> fill_packs(const GroupedSystem& structure, const std::vector<std::unique_ptr<GroupSolver>>& solvers) {
   std::vector<Pack> packs;
   std::vector<std::int32_t> open(structure.classes.size(), -1);  // the pack of each class with a free lane
   std::int32_t level = -1;
   for (std::size_t g = 0; g < structure.groups.size(); ++g) {
-    const Group& group = structure.groups[g];
+    const SolvedGroup& group = structure.groups[g];
     if (group.level != level) {
       std::fill(open.begin(), open.end(), -1);
       level = group.level;
@@ -63,7 +63,7 @@ std::vector<InputRow> input_rows(const std::vector<std::int32_t>& addresses, std
 
 }  // namespace
 
-std::vector<std::unique_ptr<GroupSolver>> make_solvers(const Prepared& prepared, int lanes, StepCode* code) {
+std::vector<std::unique_ptr<GroupSolver>> make_solvers(const Preparation& prepared, int lanes, StepCode* code) {
   std::vector<std::unique_ptr<GroupSolver>> solvers;
   for (Plan::Choice choice : prepared.plan.choices) {
     if (lanes > 0) choice.solver.lanes = lanes;
@@ -74,8 +74,8 @@ std::vector<std::unique_ptr<GroupSolver>> make_solvers(const Prepared& prepared,
   return solvers;
 }
 
-Layout lay_out(const Prepared& prepared) {
-  const Structure& structure = *prepared.structure;
+Layout lay_out(const Preparation& prepared) {
+  const GroupedSystem& structure = *prepared.structure;
   const System& system = *structure.system;
   Layout out;
   const bool together = prepared.plan.run.together;
@@ -102,7 +102,7 @@ Layout lay_out(const Prepared& prepared) {
     pack.unknowns = lane_place(out.size, w);
     out.size = pack.unknowns + idx(solver.group_class().n) * w;
     for (std::size_t lane = 0; lane < pack.groups.size(); ++lane) {
-      const Group& g = structure.groups[idx(pack.groups[lane])];
+      const SolvedGroup& g = structure.groups[idx(pack.groups[lane])];
       for (std::size_t i = 0; i < g.unknowns.size(); ++i) {
         out.address[idx(g.unknowns[i])] = static_cast<std::int32_t>(pack.unknowns + i * w + lane);
       }
@@ -113,7 +113,7 @@ Layout lay_out(const Prepared& prepared) {
     const std::size_t w = idx(solver.lanes()), count = idx(solver.group_class().inputs);
     pack.inputs.resize(count * w);
     for (std::size_t lane = 0; lane < w; ++lane) {
-      const Group& g = structure.groups[idx(pack.groups[lane < pack.groups.size() ? lane : 0])];
+      const SolvedGroup& g = structure.groups[idx(pack.groups[lane < pack.groups.size() ? lane : 0])];
       for (std::size_t i = 0; i < count; ++i) pack.inputs[i * w + lane] = out.address[idx(g.inputs[i])];
     }
     pack.input_rows = input_rows(pack.inputs, count, w);
@@ -126,8 +126,8 @@ Layout lay_out(const Prepared& prepared) {
   return out;
 }
 
-Layout lay_out_side_by_side(const Prepared& prepared, int lanes) {
-  const Structure& structure = *prepared.structure;
+Layout lay_out_side_by_side(const Preparation& prepared, int lanes) {
+  const GroupedSystem& structure = *prepared.structure;
   const System& system = *structure.system;
   const std::size_t w = idx(lanes);
   Layout out;
@@ -141,7 +141,7 @@ Layout lay_out_side_by_side(const Prepared& prepared, int lanes) {
   out.first_unknown = out.size = lane_place(system.coordinates.size() * w, w);
   std::vector<std::int32_t> each(w);
   std::iota(each.begin(), each.end(), 0);
-  for (const Group& group : structure.groups) {
+  for (const SolvedGroup& group : structure.groups) {
     const bool at_rest = out.first_unknown == out.size && rests(structure.classes[idx(group.group_class)]);
     Pack& pack = out.packs.emplace_back();
     pack.group_class = group.group_class;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "groups/group_solver.hpp"
+#include "plan/preparation.hpp"
 
 namespace assur {
 
@@ -22,16 +23,16 @@ struct Layout {
 
 // Makes one solver for each class. lanes: replaces W of the plan; 0: as planned. code: null, or machine code for small
 // steps. Throws Error (environment) if a backend of the plan cannot run here.
-[[nodiscard]] std::vector<std::unique_ptr<GroupSolver>> make_solvers(const Prepared& prepared, int lanes,
+[[nodiscard]] std::vector<std::unique_ptr<GroupSolver>> make_solvers(const Preparation& prepared, int lanes,
                                                                      StepCode* code);
 
 // A layout in which groups of one class on one level are side by side, up to W of them in a pack. With +together every
 // group is a pack of one lane, and the unknowns of the groups of one class follow each other. Its solvers use no
 // machine code yet. Throws Error (environment) if a backend of the plan cannot run here.
-[[nodiscard]] Layout lay_out(const Prepared& prepared);
+[[nodiscard]] Layout lay_out(const Preparation& prepared);
 
 // A layout for several instances of the whole structure, one in each lane. Every group is a pack. Addresses, also of
 // known coordinates, are those of lane 0; the other lanes follow. No instance is bound to the lanes yet.
-[[nodiscard]] Layout lay_out_side_by_side(const Prepared& prepared, int lanes);
+[[nodiscard]] Layout lay_out_side_by_side(const Preparation& prepared, int lanes);
 
 }  // namespace assur

@@ -23,7 +23,7 @@ std::size_t widest_level(const std::vector<Pack>& packs) {
 
 }  // namespace
 
-Levels::Levels(const Prepared& prepared, Layout& layout, std::span<const int> pin_to)
+Levels::Levels(const Preparation& prepared, Layout& layout, std::span<const int> pin_to)
     : packs_(layout.packs), solvers_(layout.solvers), all_(layout.packs.size()) {
   std::iota(all_.begin(), all_.end(), 0);
   const bool together = prepared.plan.run.together;

@@ -8,9 +8,9 @@
 #include <span>
 #include <vector>
 
-#include "assur/plan.hpp"
 #include "motion/layout.hpp"
 #include "parallel/team.hpp"
+#include "plan/preparation.hpp"
 
 namespace assur {
 
@@ -18,7 +18,7 @@ namespace assur {
 class Levels {
  public:
   // Starts the threads of the plan, or fewer if no level has work for them, and +together has not. pin_to: see Team.
-  Levels(const Prepared& prepared, Layout& layout, std::span<const int> pin_to);
+  Levels(const Preparation& prepared, Layout& layout, std::span<const int> pin_to);
 
   // Number of threads, including the caller.
   [[nodiscard]] int threads() const { return team_ ? team_->size() : 1; }

@@ -28,7 +28,7 @@ class Mechanism {
   using Posture = LimitWatch::Posture;  // [d]: d-th derivatives of the coordinates, by address
 
   // lane: postures begin at this lane. All arguments must outlive it.
-  Mechanism(const Structure& structure, const Layout& layout, std::size_t lane = 0)
+  Mechanism(const GroupedSystem& structure, const Layout& layout, std::size_t lane = 0)
       : structure_(structure), layout_(layout), lane_(lane) {}
 
   // The mechanism has the numbers of this system from now on, which must outlive it. chooses: another set of its
@@ -93,7 +93,7 @@ class Mechanism {
   void accept(double seconds, bool passes = false);
   [[nodiscard]] LimitWatch* limits() { return limits_.get(); }  // null: there are none
   [[nodiscard]] const LimitWatch* limits() const { return limits_.get(); }
-  // The limited quantities, as Prepared::start_limits.
+  // The limited quantities, as Preparation::start_limits.
   [[nodiscard]] std::vector<double> limited() const { return limits_ ? limits_->values() : std::vector<double>(); }
   // Begins to watch limits at a posture. known: see LimitWatch::start(). Returns the bounds that are violated where the
   // motion begins, none if it began before.
@@ -127,7 +127,7 @@ class Mechanism {
     if (limits_ && !limits_->turns().empty()) with(limits_->turns());
   }
 
-  const Structure& structure_;
+  const GroupedSystem& structure_;
   const Layout& layout_;
   std::size_t lane_;
   const System* system_ = nullptr;

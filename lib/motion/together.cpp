@@ -18,7 +18,7 @@ double* at(LaneArray& numbers, std::size_t index) { return numbers.empty() ? nul
 
 }  // namespace
 
-Together::Together(const Prepared& prepared, Layout& layout, Team* team)
+Together::Together(const Preparation& prepared, Layout& layout, Team* team)
     : structure_(*prepared.structure),
       layout_(layout),
       pack_of_(structure_.groups.size()),
@@ -40,9 +40,9 @@ Together::Together(const Prepared& prepared, Layout& layout, Team* team)
 
 // ---- preparation
 
-std::size_t Together::shares(const Structure& structure) {
+std::size_t Together::shares(const GroupedSystem& structure) {
   std::vector<std::size_t> groups(structure.classes.size(), 0);
-  for (const Group& g : structure.groups) ++groups[idx(g.group_class)];
+  for (const SolvedGroup& g : structure.groups) ++groups[idx(g.group_class)];
   std::size_t shares = 0;
   for (const std::size_t count : groups) shares += up(count, kTogetherLanes);
   return shares;
@@ -52,7 +52,7 @@ void Together::make_classes() {
   classes_.resize(structure_.classes.size());
   sources_.resize(layout_.address.size());
   for (std::size_t g = 0; g < structure_.groups.size(); ++g) {
-    const Group& group = structure_.groups[g];
+    const SolvedGroup& group = structure_.groups[g];
     Class& c = classes_[idx(group.group_class)];
     for (std::size_t i = 0; i < group.unknowns.size(); ++i) {
       sources_[idx(group.unknowns[i])] = {group.group_class, static_cast<std::int32_t>(c.groups.size()),
@@ -112,7 +112,7 @@ void Together::make_classes() {
   loads_.resize(loads);
 }
 
-const Group& Together::group(const Class& c, std::size_t place) const {
+const SolvedGroup& Together::group(const Class& c, std::size_t place) const {
   return structure_.groups[idx(c.groups[place < c.groups.size() ? place : 0])];
 }
 Pack& Together::pack(const Class& c, std::size_t place) const {
@@ -311,7 +311,7 @@ std::size_t Together::coded_groups() const {
 
 void Together::make_rows() {
   std::vector<std::size_t> next(classes_.size(), 0);  // place of the next group of each class
-  for (const Group& group : structure_.groups) {
+  for (const SolvedGroup& group : structure_.groups) {
     const Class& c = classes_[idx(group.group_class)];
     const std::size_t place = next[idx(group.group_class)]++;
     for (std::int32_t k = 0; k < c.couplings.rows(); ++k) {

@@ -11,7 +11,6 @@
 #include <memory>
 #include <vector>
 
-#include "assur/plan.hpp"
 #include "assur/report.hpp"
 #include "backends/lanes_elimination.hpp"
 #include "executors/step_code.hpp"
@@ -19,6 +18,7 @@
 #include "groups/coupling.hpp"
 #include "motion/layout.hpp"
 #include "parallel/team.hpp"
+#include "plan/preparation.hpp"
 #include "program/group_step.hpp"
 #include "program/together_step.hpp"
 
@@ -28,10 +28,10 @@ namespace assur {
 class Together {
  public:
   // All must outlive it. The plan must have RunSettings::together. team: its threads share the groups; null: one thread
-  Together(const Prepared& prepared, Layout& layout, Team* team);
+  Together(const Preparation& prepared, Layout& layout, Team* team);
 
   // The most threads that have work.
-  [[nodiscard]] static std::size_t shares(const Structure& structure);
+  [[nodiscard]] static std::size_t shares(const GroupedSystem& structure);
 
   // Takes machine code for the passes, if there is some, with the same bits.
   void use(StepCode& code) { code_ = &code; }
@@ -112,7 +112,7 @@ class Together {
   void find_sources(const Class& c, Share& share) const;
   void make_rows();
   void add_row(const Row& row);
-  [[nodiscard]] const Group& group(const Class& c, std::size_t place) const;
+  [[nodiscard]] const SolvedGroup& group(const Class& c, std::size_t place) const;
   [[nodiscard]] Pack& pack(const Class& c, std::size_t place) const;
   [[nodiscard]] std::int32_t address(const Source& source) const;
   [[nodiscard]] Source source(const Class& c, std::size_t place, std::int32_t input) const;
@@ -136,7 +136,7 @@ class Together {
   void renew_anchors(Class& c, std::size_t eight);
   void count(int corrections, Counters& counters) const;
 
-  const Structure& structure_;
+  const GroupedSystem& structure_;
   Layout& layout_;
   std::vector<std::int32_t> pack_of_;  // group -> pack of the layout
   Team* team_;

@@ -8,7 +8,7 @@
 
 namespace assur {
 
-Watch::Watch(const System& system, const Structure& structure, std::span<const std::int32_t> address)
+Watch::Watch(const System& system, const GroupedSystem& structure, std::span<const std::int32_t> address)
     : class_(structure.watch_class),
       evaluator_(make_evaluator(system, class_, 1)),
       coefficients_(class_.coefficients.size()),

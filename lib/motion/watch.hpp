@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "assur/structure.hpp"
 #include "evaluation/evaluator.hpp"
+#include "structure/grouped_system.hpp"
 
 namespace assur {
 
@@ -14,7 +14,7 @@ namespace assur {
 class Watch {
  public:
   // `address`: coordinates -> index into the state arrays.
-  Watch(const System& system, const Structure& structure, std::span<const std::int32_t> address);
+  Watch(const System& system, const GroupedSystem& structure, std::span<const std::int32_t> address);
 
   [[nodiscard]] std::size_t equations() const { return phi_.size(); }
 

@@ -8,11 +8,11 @@
 #include <span>
 #include <vector>
 
-#include "assur/structure.hpp"
 #include "evaluation/lane_array.hpp"
 #include "outputs/angle_kernels.hpp"
 #include "outputs/output_program.hpp"
 #include "outputs/output_steps.hpp"
+#include "structure/grouped_system.hpp"
 
 namespace assur {
 

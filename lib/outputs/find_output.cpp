@@ -8,7 +8,7 @@
 namespace assur {
 namespace {
 
-constexpr std::size_t kNone = OutputColumns::kNone;
+constexpr std::size_t kNone = OutputHandle::kNone;
 
 std::size_t place_of(const std::vector<std::string>& columns, const std::string& name) {
   const auto found = std::find(columns.begin(), columns.end(), name);
@@ -18,7 +18,7 @@ std::size_t place_of(const std::vector<std::string>& columns, const std::string&
 // The columns prefix + ends[0], prefix + ends[1], ..., which follow each other, as a d-th derivative. False if the
 // first one is missing. Throws as find_output() does if only others are missing.
 bool find_row(const std::vector<std::string>& columns, const std::string& prefix,
-              std::initializer_list<const char*> ends, std::size_t d, OutputColumns& out) {
+              std::initializer_list<const char*> ends, std::size_t d, OutputHandle& out) {
   const std::size_t first = place_of(columns, prefix + *ends.begin());
   if (first == kNone) return false;
   std::size_t i = first;
@@ -33,10 +33,10 @@ bool find_row(const std::vector<std::string>& columns, const std::string& prefix
 
 }  // namespace
 
-OutputColumns find_output(const std::vector<std::string>& columns, std::string_view output) {
+OutputHandle find_output(const std::vector<std::string>& columns, std::string_view output) {
   const std::string name(output);
   const auto of_body = [&](std::string_view part) { return name.substr(0, name.size() - part.size()); };
-  OutputColumns out;
+  OutputHandle out;
   bool found = false;
   if (output.ends_with(".quaternion")) {
     found = find_row(columns, of_body("quaternion"), {"qw", "qx", "qy", "qz"}, 0, out);
@@ -60,9 +60,9 @@ OutputColumns find_output(const std::vector<std::string>& columns, std::string_v
   return out;
 }
 
-BodyColumns find_body(const std::vector<std::string>& columns, std::string_view body) {
+BodyHandle find_body(const std::vector<std::string>& columns, std::string_view body) {
   const std::string name(body);
-  BodyColumns out;
+  BodyHandle out;
   out.origin = find_output(columns, name + ".origin");
   if (out.origin.components == 2) {
     out.turn = find_output(columns, name + ".angle");

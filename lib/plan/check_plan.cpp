@@ -30,7 +30,7 @@ bool are_starts(const std::vector<Index>& starts, std::size_t size) {
 
 class Check {
  public:
-  explicit Check(const Prepared& prepared)
+  explicit Check(const Preparation& prepared)
       : prepared_(prepared), structure_(*prepared.structure), system_(*structure_.system) {}
 
   void run() {
@@ -344,7 +344,7 @@ class Check {
     Index before = 0;
     for (std::size_t g = 0; g < structure_.groups.size(); ++g) {
       part("groups", g);
-      const Group& group = structure_.groups[g];
+      const SolvedGroup& group = structure_.groups[g];
       require(group.level >= before && group.level < structure_.levels, "the level");
       before = group.level;
       require(within(group.group_class, structure_.classes.size()), "the class");
@@ -366,7 +366,7 @@ class Check {
     require(std::count(used.begin(), used.end(), 0) == 0, "a class without groups");
   }
 
-  void slots(const Group& group, const GroupClass& c) const {
+  void slots(const SolvedGroup& group, const GroupClass& c) const {
     require(group.inputs.size() == idx(c.inputs) && all_within(group.inputs, known_.size()), "the inputs");
     require(group.constants.size() == idx(c.constants) && all_within(group.constants, system_.constants.size()),
             "the constants");
@@ -378,7 +378,7 @@ class Check {
 
   void watch() {
     part("watch");
-    const Group& group = structure_.watch;
+    const SolvedGroup& group = structure_.watch;
     const GroupClass& c = structure_.watch_class;
     require(structure_.watched.size() == c.equations.size(), "the number of names");
     if (c.equations.empty() && group.inputs.empty()) return;
@@ -443,8 +443,8 @@ class Check {
 
   static constexpr std::size_t kWhole = static_cast<std::size_t>(-1);
 
-  const Prepared& prepared_;
-  const Structure& structure_;
+  const Preparation& prepared_;
+  const GroupedSystem& structure_;
   const System& system_;
   const char* list_ = "";
   std::size_t index_ = kWhole;
@@ -455,6 +455,6 @@ class Check {
 
 }  // namespace
 
-void check_plan(const Prepared& prepared) { Check(prepared).run(); }
+void check_plan(const Preparation& prepared) { Check(prepared).run(); }
 
 }  // namespace assur

@@ -5,12 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "assur/plan.hpp"
 #include "assur/strategy.hpp"
-#include "assur/structure.hpp"
 #include "equations/system.hpp"
 #include "joints/gear.hpp"
 #include "plan/plan_text.hpp"
+#include "plan/preparation.hpp"
+#include "structure/grouped_system.hpp"
 
 namespace assur {
 
@@ -115,12 +115,13 @@ inline void fields(auto& a, Either<GroupClass> auto& c) {
   a.label("entries", c.entries, c.entry_operands);
   a.label("gears", c.gear_arguments, c.gear_angles, c.gears, c.gear_entries);  // the only callbacks
 }
-inline void fields(auto& a, Either<Group> auto& g) {
+inline void fields(auto& a, Either<SolvedGroup> auto& g) {
   a(g.name, g.of, g.level, g.group_class, g.derivatives, g.wanted_derivatives);
   a(g.unknowns, g.equations, g.inputs, g.constants);
+  if constexpr (std::remove_reference_t<decltype(a)>::kReads) g.n = static_cast<std::int32_t>(g.unknowns.size());
 }
 inline void fields(auto& a, Either<Watched> auto& w) { a(w.name, w.is_length); }
-inline void fields(auto& a, Either<Structure> auto& s) {
+inline void fields(auto& a, Either<GroupedSystem> auto& s) {
   a.label("structure", s.formulation, s.levels);
   a.label("classes", s.classes);
   a.label("groups", s.groups);
@@ -154,8 +155,8 @@ inline void fields(auto& a, Either<Plan> auto& p) {
 }
 
 // The whole file.
-inline void fields(auto& a, Either<Prepared> auto& prepared, Either<System> auto& system,
-                   Either<std::vector<SavedGear>> auto& gears, Either<Structure> auto& structure) {
+inline void fields(auto& a, Either<Preparation> auto& prepared, Either<System> auto& system,
+                   Either<std::vector<SavedGear>> auto& gears, Either<GroupedSystem> auto& structure) {
   a.label("scene", prepared.name);
   a.label("time", prepared.time, prepared.start_time);
   a.label("controlled", prepared.controlled);

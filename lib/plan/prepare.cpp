@@ -4,7 +4,6 @@
 #include <set>
 #include <string_view>
 
-#include "assur/plan.hpp"
 #include "dispatch/candidates.hpp"
 #include "dispatch/counts.hpp"
 #include "dispatch/dispatcher.hpp"
@@ -14,14 +13,15 @@
 #include "executors/step_code.hpp"
 #include "graph/spins.hpp"
 #include "parallel/machine.hpp"
+#include "plan/preparation.hpp"
 #include "plan/prepare_at.hpp"
 #include "structure/same_structure.hpp"
 
 namespace assur {
 namespace {
 
-Predictor automatic_predictor(const Structure& s, double accuracy) {
-  const bool all = std::all_of(s.groups.begin(), s.groups.end(), [&](const Group& g) {
+Predictor automatic_predictor(const GroupedSystem& s, double accuracy) {
+  const bool all = std::all_of(s.groups.begin(), s.groups.end(), [&](const SolvedGroup& g) {
     return g.wanted_derivatives == 2 && s.classes[static_cast<std::size_t>(g.group_class)].first_wanted == 0;
   });
   // If accelerations are not wanted, a prediction from past positions is as good and costs no factorisation.
@@ -32,7 +32,7 @@ Predictor automatic_predictor(const Structure& s, double accuracy) {
 }
 
 // Names the bodies if they only spin, else the unknowns.
-void refuse_undetermined(const Structure& s) {
+void refuse_undetermined(const GroupedSystem& s) {
   if (s.undetermined.empty()) return;
   const std::set<std::string_view> free_names(s.undetermined.begin(), s.undetermined.end());
   std::vector<Index> free, explained;
@@ -77,10 +77,10 @@ struct ClassSize {
   std::int32_t side_by_side = 0;  // largest number of groups on one level
 };
 
-std::vector<ClassSize> class_sizes(const Structure& s) {
+std::vector<ClassSize> class_sizes(const GroupedSystem& s) {
   std::vector<ClassSize> sizes(s.classes.size());
   std::vector<std::int32_t> on_level(s.classes.size(), 0), level(s.classes.size(), -1);
-  for (const Group& g : s.groups) {  // in the order of levels
+  for (const SolvedGroup& g : s.groups) {  // in the order of levels
     const auto c = static_cast<std::size_t>(g.group_class);
     on_level[c] = level[c] == g.level ? on_level[c] + 1 : 1;
     level[c] = g.level;
@@ -120,18 +120,15 @@ void check_budget(const Strategy& wanted, const PrepareOptions& options) {
   }
 }
 
-std::shared_ptr<const Structure> structure_for(const Scene& scene, const PrepareOptions& options,
-                                               Formulation formulation, const Predictor& predictor,
-                                               const KnownStart& start) {
+std::shared_ptr<const GroupedSystem> structure_for(const Scene& scene, const PrepareOptions& options,
+                                                   Formulation formulation, const Predictor& predictor,
+                                                   const KnownStart& start) {
   StructureOptions wanted;
   wanted.formulation = formulation;
   wanted.controlled = options.controlled;
-  wanted.posture = start.posture;
-  wanted.time = start.time;
-  wanted.checked = start.checked;
   if (predictor.kind == Predictor::Kind::taylor) wanted.predictor_derivatives = predictor.order;
   if (predictor.kind == Predictor::Kind::hermite) wanted.predictor_derivatives = 2;
-  auto structure = std::make_shared<const Structure>(analyze(scene, wanted, start.at_rest));
+  auto structure = std::make_shared<const GroupedSystem>(group_equations(scene, wanted, start));
   refuse_undetermined(*structure);
   if (!structure->cannot_assemble.empty()) {
     // A wrong Jacobian may be the reason, and a check at the guess finds it.
@@ -144,7 +141,7 @@ std::shared_ptr<const Structure> structure_for(const Scene& scene, const Prepare
   return structure;
 }
 
-void check_together(const Structure& s, const Strategy& wanted) {
+void check_together(const GroupedSystem& s, const Strategy& wanted) {
   const std::string why_not = why_not_together(s, wanted);
   if (why_not.empty()) return;
   throw Error(Error::Kind::environment,
@@ -152,13 +149,13 @@ void check_together(const Structure& s, const Strategy& wanted) {
 }
 
 // The size of a class, without counts of operations.
-Shape size_of(const Structure& s, std::int32_t group_class, std::int32_t groups) {
+Shape size_of(const GroupedSystem& s, std::int32_t group_class, std::int32_t groups) {
   const GroupClass& c = s.classes[static_cast<std::size_t>(group_class)];
   return {.n = c.n, .nnz = s.pattern(group_class).nnz(), .groups = groups, .rhs = 1 + c.derivatives};
 }
 
 // The plan for a strategy text, which holds for every class.
-Plan forced_plan(const Structure& s, const Strategy& wanted, const PrepareOptions& options) {
+Plan forced_plan(const GroupedSystem& s, const Strategy& wanted, const PrepareOptions& options) {
   Plan plan;
   plan.run = wanted.run;
   plan.lanes = wanted.solver.lanes;
@@ -186,11 +183,11 @@ Plan forced_plan(const Structure& s, const Strategy& wanted, const PrepareOption
 }
 
 // Tries other formulations if they are cheap to try and may save time.
-std::vector<Formulation> formulations(const Scene& scene, const Structure& irreducible) {
+std::vector<Formulation> formulations(const Scene& scene, const GroupedSystem& irreducible) {
   constexpr std::int64_t kMostWeighed = 2000;
   std::vector<Formulation> others;
   std::int64_t unknowns = 0;
-  for (const Group& g : irreducible.groups) unknowns += std::ssize(g.unknowns);
+  for (const SolvedGroup& g : irreducible.groups) unknowns += std::ssize(g.unknowns);
   if (unknowns > kMostWeighed || irreducible.groups.size() < 2) return others;
   if (!scene.groups().empty()) others.push_back(Formulation::groups);
   others.push_back(Formulation::global);
@@ -198,7 +195,7 @@ std::vector<Formulation> formulations(const Scene& scene, const Structure& irred
 }
 
 struct Choice {
-  std::shared_ptr<const Structure> structure;
+  std::shared_ptr<const GroupedSystem> structure;
   Plan plan;
 };
 
@@ -226,7 +223,7 @@ Choice automatic_choice(const Scene& scene, const PrepareOptions& options, const
 }
 
 // The plan of `like`, if the scene has the same structure.
-std::optional<Choice> choice_like(const Prepared& like, const Scene& scene, const PrepareOptions& options,
+std::optional<Choice> choice_like(const Preparation& like, const Scene& scene, const PrepareOptions& options,
                                   const KnownStart& start) {
   Choice choice;
   choice.structure = structure_like(scene, options, start, like);
@@ -236,10 +233,10 @@ std::optional<Choice> choice_like(const Prepared& like, const Scene& scene, cons
 }
 
 // The same scene with another independent set of its equations: each class is solved as the one nearest in size was.
-Choice choice_again(const Scene& scene, const PrepareOptions& options, const KnownStart& start, const Structure& before,
-                    const Plan& plan) {
+Choice choice_again(const Scene& scene, const PrepareOptions& options, const KnownStart& start,
+                    const GroupedSystem& before, const Plan& plan) {
   Choice again{structure_for(scene, options, before.formulation, plan.run.predictor, start), plan};
-  const Structure& s = *again.structure;
+  const GroupedSystem& s = *again.structure;
   if (s.levels != before.levels) again.plan.level_threads.clear();
   const std::string why_not = plan.run.together ? why_not_together(s) : "";
   if (!why_not.empty()) {
@@ -261,13 +258,13 @@ Choice choice_again(const Scene& scene, const PrepareOptions& options, const Kno
 }
 
 // Puts the parts together. is_first: the functions of the scene must be checked.
-Prepared finished(const Scene& scene, const PrepareOptions& options, Choice& choice, bool is_first) {
+Preparation finished(const Scene& scene, const PrepareOptions& options, Choice& choice, bool is_first) {
   if (is_first) {
     std::vector<Diagnostic> wrong =
         wrong_functions(*choice.structure->system, choice.structure->start, scene.time(), options.controlled);
     if (!wrong.empty()) throw Error(Error::Kind::input, std::move(wrong));
   }
-  Prepared out;
+  Preparation out;
   out.scene = std::make_shared<const Scene>(scene);
   out.name = scene.name();
   out.time = scene.time();
@@ -289,7 +286,8 @@ Prepared finished(const Scene& scene, const PrepareOptions& options, Choice& cho
 
 }  // namespace
 
-Prepared prepare_at(const Scene& scene, const PrepareOptions& options, const KnownStart& start, const Prepared* like) {
+Preparation prepare_at(const Scene& scene, const PrepareOptions& options, const KnownStart& start,
+                       const Preparation* like) {
   if (options.budget && options.budget->threads < 1) {
     throw Error(Error::Kind::input,
                 "a budget needs at least one thread, not " + std::to_string(options.budget->threads));
@@ -321,14 +319,16 @@ Prepared prepare_at(const Scene& scene, const PrepareOptions& options, const Kno
   return finished(scene, options, choice, start.is_first);
 }
 
-Prepared prepare(const Scene& scene, const PrepareOptions& options) { return prepare_at(scene, options, {}); }
-
-Prepared prepare_like(const Prepared& like, const Scene& scene, const PrepareOptions& options) {
-  return prepare_at(scene, options, {}, &like);
+Prepared prepare(const Scene& scene, const PrepareOptions& options) {
+  return Preparation::shared(prepare_at(scene, options, {}));
 }
 
-std::shared_ptr<const Structure> structure_like(const Scene& scene, const PrepareOptions& options,
-                                                const KnownStart& start, const Prepared& like) {
+Prepared prepare_like(const Prepared& like, const Scene& scene, const PrepareOptions& options) {
+  return Preparation::shared(prepare_at(scene, options, {}, &preparation(like)));
+}
+
+std::shared_ptr<const GroupedSystem> structure_like(const Scene& scene, const PrepareOptions& options,
+                                                    const KnownStart& start, const Preparation& like) {
   return structure_for(scene, options, like.plan.run.formulation, like.plan.run.predictor, start);
 }
 

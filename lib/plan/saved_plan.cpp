@@ -150,7 +150,8 @@ void fields(PlanReader& read, Law& law) {
   law = sum_of(laws);
 }
 
-void save_plan(std::ostream& out, const Prepared& prepared) {
+void save_plan(std::ostream& out, const Prepared& of) {
+  const Preparation& prepared = preparation(of);
   refuse_functions(*prepared.structure->system);
   PlanWriter write;
   const System& system = *prepared.structure->system;
@@ -166,11 +167,11 @@ Prepared load_plan(std::istream& in, const LoadOptions& options) {
                 "a budget needs at least one thread, not " + std::to_string(options.budget->threads));
   }
   PlanReader read(text_of_plan(in));
-  Prepared prepared;
+  Preparation prepared;
   const auto loaded = std::make_shared<Loaded>();
   std::vector<SavedGear> gears;
-  auto structure = std::make_shared<Structure>();
-  Structure& own = *structure;
+  auto structure = std::make_shared<GroupedSystem>();
+  GroupedSystem& own = *structure;
   fields(read, prepared, loaded->system, gears, own);
   read.finish();
   loaded->system.index_names();
@@ -181,7 +182,7 @@ Prepared load_plan(std::istream& in, const LoadOptions& options) {
   check_backends(prepared.plan, options.table);
   fit_threads(prepared.plan, options.budget);
   prepared.table = options.table;
-  return prepared;
+  return Preparation::shared(std::move(prepared));
 }
 
 }  // namespace assur

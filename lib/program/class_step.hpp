@@ -8,10 +8,10 @@
 #include <cstdint>
 #include <span>
 
-#include "assur/structure.hpp"
 #include "backends/lanes_elimination.hpp"
 #include "evaluation/coefficients.hpp"
 #include "program/group_step.hpp"
+#include "structure/grouped_system.hpp"
 
 namespace assur {
 

@@ -7,10 +7,10 @@
 #include <span>
 #include <vector>
 
-#include "assur/structure.hpp"
 #include "evaluation/coefficients.hpp"
 #include "program/graph.hpp"
 #include "program/step_program.hpp"
+#include "structure/grouped_system.hpp"
 
 namespace assur {
 

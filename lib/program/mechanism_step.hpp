@@ -7,9 +7,9 @@
 #include <span>
 #include <vector>
 
-#include "assur/structure.hpp"
 #include "evaluation/coefficients.hpp"
 #include "program/step_program.hpp"
+#include "structure/grouped_system.hpp"
 
 namespace assur {
 

@@ -52,7 +52,7 @@ std::string text(Need need) {
 }
 
 // Redundant equations between constants choose nothing.
-bool has_choices(const Structure& s) {
+bool has_choices(const GroupedSystem& s) {
   std::vector<Index> mentioned;
   return std::any_of(s.checks.begin(), s.checks.end(), [&](std::int32_t e) {
     s.system->mentioned(e, mentioned);
@@ -69,7 +69,7 @@ Needs needs_of(const GroupClass& c) {
   return needs;
 }
 
-Needs needs_of(const Structure& s) {
+Needs needs_of(const GroupedSystem& s) {
   Needs needs;
   for (const GroupClass& c : s.classes) needs.add(needs_of(c));
   for (const CallbackBlock& block : s.system->callbacks) {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string>
 
-#include "assur/structure.hpp"
+#include "structure/grouped_system.hpp"
 
 namespace assur {
 
@@ -50,7 +50,7 @@ enum class Path : std::uint8_t {
 
 [[nodiscard]] Needs needs_of(const GroupClass& group_class);
 // Of all groups, laws, limits and redundant equations.
-[[nodiscard]] Needs needs_of(const Structure& structure);
+[[nodiscard]] Needs needs_of(const GroupedSystem& structure);
 
 // The first need that a path does not supply, as a reason for messages; "": the path can be taken.
 [[nodiscard]] std::string why_not(Path path, Needs needs);

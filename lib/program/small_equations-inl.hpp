@@ -14,9 +14,9 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "assur/structure.hpp"
 #include "evaluation/coefficients.hpp"
 #include "index.hpp"
+#include "structure/grouped_system.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace assur::HWY_NAMESPACE {

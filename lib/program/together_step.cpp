@@ -258,14 +258,14 @@ Couplings couplings(const GroupClass& c, std::span<const std::uint8_t> computed)
 
 }  // namespace
 
-std::vector<Couplings> couplings_of(const Structure& s) {
+std::vector<Couplings> couplings_of(const GroupedSystem& s) {
   std::vector<std::uint8_t> is_computed(s.system->coordinates.size(), 0);
-  for (const Group& g : s.groups) {
+  for (const SolvedGroup& g : s.groups) {
     for (const std::int32_t u : g.unknowns) is_computed[idx(u)] = 1;
   }
   std::vector<std::vector<std::uint8_t>> computed;
   for (const GroupClass& c : s.classes) computed.emplace_back(idx(c.inputs), std::uint8_t{0});
-  for (const Group& g : s.groups) {
+  for (const SolvedGroup& g : s.groups) {
     std::vector<std::uint8_t>& of_class = computed[idx(g.group_class)];
     for (std::size_t i = 0; i < of_class.size(); ++i) of_class[i] |= is_computed[idx(g.inputs[i])];
   }

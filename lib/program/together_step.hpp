@@ -14,11 +14,11 @@
 #include <span>
 #include <vector>
 
-#include "assur/structure.hpp"
 #include "backends/lanes_elimination.hpp"
 #include "evaluation/coefficients.hpp"
 #include "program/group_step.hpp"
 #include "program/step_program.hpp"
+#include "structure/grouped_system.hpp"
 
 namespace assur {
 
@@ -60,7 +60,7 @@ struct Couplings {
   [[nodiscard]] std::int32_t rows() const { return static_cast<std::int32_t>(equations.size()); }
 };
 // Of each class: its inputs that another group computes in some group of the class.
-[[nodiscard]] std::vector<Couplings> couplings_of(const Structure& structure);
+[[nodiscard]] std::vector<Couplings> couplings_of(const GroupedSystem& structure);
 
 // What the passes of a class need.
 struct TogetherClass {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "assur/plan.hpp"
+#include "plan/preparation.hpp"
 #include "runs/tile.hpp"
 
 namespace assur {
@@ -39,7 +39,7 @@ class BoundMembers {
   [[nodiscard]] virtual std::size_t count() const = 0;
   // A member that can be prepared, or the scene as written: all members are bound to its structure and plan. Null if
   // nothing can be assembled.
-  [[nodiscard]] virtual const Prepared* first() const = 0;
+  [[nodiscard]] virtual const Preparation* first() const = 0;
   // Names of the outputs, and the time grid, of all members.
   [[nodiscard]] virtual std::vector<std::string> columns() const = 0;
   [[nodiscard]] virtual const TimeGrid& time() const = 0;
@@ -48,7 +48,7 @@ class BoundMembers {
   // lanes: largest number of members at once.
   [[nodiscard]] virtual std::unique_ptr<MemberBinder> binder(std::size_t lanes) const = 0;
   // Throws Error like assur::prepare().
-  [[nodiscard]] virtual Prepared prepare(std::size_t member) const = 0;
+  [[nodiscard]] virtual Preparation prepare(std::size_t member) const = 0;
   // Replaces the members. False: the binders serve them, too. Throws Error (input) if the values do not make whole
   // rows.
   virtual bool take(std::vector<double> values) = 0;

@@ -94,7 +94,7 @@ void follow(const LaneRun& before, LaneRun& run, const OutputProgram& outputs, s
 
 }  // namespace
 
-std::string no_chunks(const Structure& structure, const StepSettings& settings, std::span<const double> times) {
+std::string no_chunks(const GroupedSystem& structure, const StepSettings& settings, std::span<const double> times) {
   Needs needs = needs_of(structure);
   needs.add(needs_of(settings));
   if (std::string reason = why_not(Path::chunks, needs); !reason.empty()) return reason;
@@ -113,8 +113,8 @@ ChunkGrid chunk_grid(std::size_t rows, std::size_t chunks) {
   return grid;
 }
 
-ChunkedRun run_in_chunks(const Prepared& prepared, const StepSettings& settings, std::span<const double> times,
-                         const ChunkGrid& grid, std::vector<Variant> starts, const Simulator::Observer& observer) {
+ChunkedRun run_in_chunks(const Preparation& prepared, const StepSettings& settings, std::span<const double> times,
+                         const ChunkGrid& grid, std::vector<Variant> starts, const Observer& observer) {
   const std::size_t chunks = grid.first.size();
   Team team(threads_for(prepared.plan, chunks), settings.pin_to);
   Tiles tiles(prepared, settings, chunks, team.size());

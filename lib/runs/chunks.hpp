@@ -20,7 +20,7 @@ struct ChunkGrid {
 [[nodiscard]] ChunkGrid chunk_grid(std::size_t rows, std::size_t chunks);
 
 // The reason why a run over these times cannot be cut into chunks; "": it can.
-[[nodiscard]] std::string no_chunks(const Structure& structure, const StepSettings& settings,
+[[nodiscard]] std::string no_chunks(const GroupedSystem& structure, const StepSettings& settings,
                                     std::span<const double> times);
 
 // The result of a run in chunks.
@@ -39,8 +39,8 @@ struct ChunkedRun {
 // Runs all chunks. `starts`: posture at the first row of each chunk. If a chunk does not arrive at the posture where
 // the next one began, the next one runs again from the posture that was reached. Angles are unwrapped across the
 // borders. `observer` is called with rows of the grid.
-[[nodiscard]] ChunkedRun run_in_chunks(const Prepared& prepared, const StepSettings& settings,
+[[nodiscard]] ChunkedRun run_in_chunks(const Preparation& prepared, const StepSettings& settings,
                                        std::span<const double> times, const ChunkGrid& grid,
-                                       std::vector<Variant> starts, const Simulator::Observer& observer);
+                                       std::vector<Variant> starts, const Observer& observer);
 
 }  // namespace assur

@@ -32,7 +32,7 @@ constexpr std::size_t kMostPrepared = 256;
 struct Ensemble::Impl {
   // Members of one structure, in tiles.
   struct Class {
-    Prepared prepared;
+    Preparation prepared;
     std::vector<std::size_t> members;
     std::vector<Variant> variants;  // of the members
     std::unique_ptr<Tiles> tiles;
@@ -44,7 +44,7 @@ struct Ensemble::Impl {
     std::exception_ptr first_error;
     for (std::size_t i = 0; i < count; ++i) {
       try {
-        take(i, member(i));
+        take(i, preparation(member(i)));
       } catch (const Error& e) {
         if (e.kind() == Error::Kind::environment) throw;
         if (!first_error) first_error = std::current_exception();
@@ -97,7 +97,7 @@ struct Ensemble::Impl {
   }
 
   // Workers for all threads that the team may ever have.
-  [[nodiscard]] std::unique_ptr<Tiles> make_tiles(const Prepared& of, std::size_t members,
+  [[nodiscard]] std::unique_ptr<Tiles> make_tiles(const Preparation& of, std::size_t members,
                                                   const BoundMembers* table = nullptr) const {
     return std::make_unique<Tiles>(of, settings, members, prepared->plan.run.threads, table);
   }
@@ -115,7 +115,7 @@ struct Ensemble::Impl {
     (void)team_for(pieces);
   }
 
-  void take(std::size_t i, Prepared p) {
+  void take(std::size_t i, Preparation p) {
     p.plan.run.chunks = 1;
     if (!prepared) {
       prepared = p;
@@ -160,7 +160,7 @@ struct Ensemble::Impl {
     }
   }
 
-  void run(const Results& results, const Simulator::Observer& observer) {
+  void run(const Results& results, const Observer& observer) {
     start(results);
     const auto rows = [&](std::size_t members) { return static_cast<std::int64_t>(members * results.times.size()); };
     const std::int64_t of = rows(static_cast<std::size_t>(std::count(cannot.begin(), cannot.end(), std::string())));
@@ -261,7 +261,7 @@ struct Ensemble::Impl {
 
   // Prepares members of the table, and runs them.
   void run_unbound(std::span<const std::size_t> members, const Results& results, Progress& progress) {
-    std::vector<std::optional<Prepared>> made(members.size());
+    std::vector<std::optional<Preparation>> made(members.size());
     std::atomic<std::size_t> next = 0;
     if (!progress.stopped) {
       team_for(members.size()).run([&](int) {
@@ -322,7 +322,7 @@ struct Ensemble::Impl {
 
   // Called by all threads, for members of their own.
   void run_alone(LoneRun& run, const Results& results, const std::function<bool(std::size_t rows)>& proceed) {
-    Prepared p = others.at(run.member);
+    Preparation p = others.at(run.member);
     p.plan.run.threads = 1;
     run.begun = true;
     Outcome& outcome = outcomes[run.member];
@@ -330,7 +330,7 @@ struct Ensemble::Impl {
     outcome.alone_from = results.times[0];
     std::optional<Simulator> simulator;
     try {
-      simulator.emplace(std::move(p), settings);
+      simulator.emplace(Preparation::shared(std::move(p)), settings);
     } catch (const Error& e) {
       if (e.kind() != Error::Kind::numerical) throw;
       outcome.cannot = e.what();
@@ -402,15 +402,15 @@ struct Ensemble::Impl {
   }
 
   StepSettings settings;
-  std::unique_ptr<BoundMembers> bound;     // null: the members were prepared
-  std::unique_ptr<Tiles> bound_tiles;      // null: no member is bound
-  std::unique_ptr<Team> team;              // threads of the plan, as many as were needed so far
-  std::vector<std::string> cannot;         // reason why the member cannot be started; empty: it can
-  std::optional<Prepared> prepared;        // as Ensemble::prepared()
-  std::vector<std::string> columns;        // of all members
-  TimeGrid time;                           // of all members
-  std::vector<Class> classes;              // the first one is that of `prepared`
-  std::map<std::size_t, Prepared> others;  // members that run alone
+  std::unique_ptr<BoundMembers> bound;        // null: the members were prepared
+  std::unique_ptr<Tiles> bound_tiles;         // null: no member is bound
+  std::unique_ptr<Team> team;                 // threads of the plan, as many as were needed so far
+  std::vector<std::string> cannot;            // reason why the member cannot be started; empty: it can
+  std::optional<Preparation> prepared;        // as Ensemble::prepared()
+  std::vector<std::string> columns;           // of all members
+  TimeGrid time;                              // of all members
+  std::vector<Class> classes;                 // the first one is that of `prepared`
+  std::map<std::size_t, Preparation> others;  // members that run alone
   Totals totals;
   Report report;
   std::vector<Outcome> outcomes;
@@ -442,9 +442,9 @@ void check_begin(std::span<const double> times, const TimeGrid& grid) {
 
 }  // namespace
 
-EnsembleTrajectory Ensemble::run(const Simulator::Observer& observer) { return run(times_of(impl_->time), observer); }
+EnsembleTrajectory Ensemble::run(const Observer& observer) { return run(times_of(impl_->time), observer); }
 
-EnsembleTrajectory Ensemble::run(std::span<const double> times, const Simulator::Observer& observer) {
+EnsembleTrajectory Ensemble::run(std::span<const double> times, const Observer& observer) {
   check_begin(times, impl_->time);
   EnsembleTrajectory out;
   out.columns_ = impl_->columns;
@@ -456,12 +456,12 @@ EnsembleTrajectory Ensemble::run(std::span<const double> times, const Simulator:
   return out;
 }
 
-EnsembleTrajectory Ensemble::run(const std::vector<std::string>& columns, const Simulator::Observer& observer) {
+EnsembleTrajectory Ensemble::run(const std::vector<std::string>& columns, const Observer& observer) {
   return run(columns, times_of(impl_->time), observer);
 }
 
 EnsembleTrajectory Ensemble::run(const std::vector<std::string>& columns, std::span<const double> times,
-                                 const Simulator::Observer& observer) {
+                                 const Observer& observer) {
   check_begin(times, impl_->time);
   const std::vector<std::size_t> indices = indices_of(columns, impl_->columns);
   EnsembleTrajectory out;
@@ -480,12 +480,12 @@ EnsembleTrajectory Ensemble::run(const std::vector<std::string>& columns, std::s
   return out;
 }
 
-EnsembleSummary Ensemble::summarize(const std::vector<std::string>& columns, const Simulator::Observer& observer) {
+EnsembleSummary Ensemble::summarize(const std::vector<std::string>& columns, const Observer& observer) {
   return summarize(columns, times_of(impl_->time), observer);
 }
 
 EnsembleSummary Ensemble::summarize(const std::vector<std::string>& columns, std::span<const double> times,
-                                    const Simulator::Observer& observer) {
+                                    const Observer& observer) {
   check_begin(times, impl_->time);
   const std::vector<std::size_t> indices = indices_of(columns, impl_->columns);
   EnsembleSummary out;
@@ -500,12 +500,12 @@ EnsembleSummary Ensemble::summarize(const std::vector<std::string>& columns, std
   return out;
 }
 
-void Ensemble::stream(const RowSelection& selection, const RowSink& sink, const Simulator::Observer& observer) {
+void Ensemble::stream(const RowSelection& selection, const RowSink& sink, const Observer& observer) {
   stream(selection, sink, times_of(impl_->time), observer);
 }
 
 void Ensemble::stream(const RowSelection& selection, const RowSink& sink, std::span<const double> times,
-                      const Simulator::Observer& observer) {
+                      const Observer& observer) {
   check_begin(times, impl_->time);
   const std::vector<std::size_t> indices = selected(selection, sink, impl_->columns);
   std::vector<RowStream> streams;
@@ -531,8 +531,8 @@ void Ensemble::bind(std::vector<double> values) {
 
 const std::vector<std::string>& Ensemble::columns() const { return impl_->columns; }
 std::size_t Ensemble::members() const { return impl_->cannot.size(); }
-const Prepared& Ensemble::prepared() const {
-  if (impl_->prepared) return *impl_->prepared;
+Prepared Ensemble::prepared() const {
+  if (impl_->prepared) return Preparation::shared(*impl_->prepared);
   throw Error(Error::Kind::numerical,
               "no member of the ensemble can be assembled, nor can the scene as written; the "
               "outcomes of a run have the reasons");

@@ -9,6 +9,7 @@
 #include "runs/memory.hpp"
 #include "runs/row_takers.hpp"
 #include "simulation/run_arguments.hpp"
+#include "simulation/simulator_access.hpp"
 #include "simulation/simulator_impl.hpp"
 
 namespace assur {
@@ -61,7 +62,7 @@ std::size_t Simulator::each_row(std::size_t count, const TimeOf& time_of, const 
   if (!impl_->settings.pin_to.empty() && impl_->motion.levels().threads() > 1) here.emplace(impl_->settings.pin_to[0]);
   for (std::size_t done = 0; done < count;) {
     const double t = time_of(done);
-    if (!step_of_run(*this, t).arrived()) return done;
+    if (!SimulatorAccess::step_of_run(*this, t).arrived()) return done;
     take(t);
     ++done;
     if (observer && observer(static_cast<std::int64_t>(done), static_cast<std::int64_t>(count)) && done < count) {

@@ -8,6 +8,7 @@
 
 #include "numbers.hpp"
 #include "outputs/columns.hpp"
+#include "simulation/simulator_access.hpp"
 
 namespace assur {
 
@@ -40,11 +41,11 @@ void stop(LaneRun& run, const std::vector<double>& posture) {
 
 }  // namespace
 
-SideBySide::SideBySide(const Prepared& prepared, const StepSettings& settings, const BoundMembers* members)
+SideBySide::SideBySide(const Preparation& prepared, const StepSettings& settings, const BoundMembers* members)
     : prepared_(prepared), settings_(settings), tile_(prepared, settings) {
   if (members == nullptr) return;
   binder_ = members->binder(static_cast<std::size_t>(tile_.lanes()));
-  const Structure& first = *prepared.structure;
+  const GroupedSystem& first = *prepared.structure;
   tile_.keep_pivots({first.system, first.start, prepared.time.start, prepared.reselect});
 }
 
@@ -279,7 +280,7 @@ void SideBySide::alone(LaneRun& lane, Variant at, std::size_t row, bool to_the_e
   const Status before = lane.status;  // ok, or inaccurate
   std::optional<Simulator> simulator = simulator_of(lane, std::move(at));
   if (!simulator) return;
-  const Structure* const structure = simulator->prepared().structure.get();
+  const GroupedSystem* const structure = preparation(simulator->prepared()).structure.get();
   const std::size_t columns = simulator->columns().size(), rows = lane.times.size();
   double* const first = lane.row(row, columns);
   const bool restarted = lane.done > row;  // the row is stored already, with unwrapped angles
@@ -288,12 +289,12 @@ void SideBySide::alone(LaneRun& lane, Variant at, std::size_t row, bool to_the_e
   const Turns turns(outputs(), first, start.data());
   lane.done = std::max(lane.done, row + 1);
   if (to_the_end) give_row(lane, row);
-  if (row == lane.posture_wanted) lane.posture = posture_of(*simulator);
+  if (row == lane.posture_wanted) lane.posture = SimulatorAccess::posture(*simulator);
   for (std::size_t k = row + 1; k < rows && lane.status.arrived() && !stopped_; ++k) {
-    lane.status = step_of_run(*simulator, lane.times[k]);
+    lane.status = SimulatorAccess::step_of_run(*simulator, lane.times[k]);
     const Counters& its = simulator->report().counters;
     const bool plain = lane.status.arrived() && its.rejected == 0 && its.substeps == 0 &&
-                       simulator->prepared().structure.get() == structure;
+                       preparation(simulator->prepared()).structure.get() == structure;
     if (k == row + 1 && !to_the_end && plain) {
       lane.status = before;
       return;
@@ -308,7 +309,7 @@ void SideBySide::alone(LaneRun& lane, Variant at, std::size_t row, bool to_the_e
     turns.add_to(lane.row(k, columns));
     give_row(lane, k);
     lane.done = k + 1;
-    if (k == lane.posture_wanted) lane.posture = posture_of(*simulator);
+    if (k == lane.posture_wanted) lane.posture = SimulatorAccess::posture(*simulator);
     stopped_ = !proceed();
   }
   if (!lane.status.arrived() && simulator->time() != lane.times[lane.done - 1]) {
@@ -318,7 +319,7 @@ void SideBySide::alone(LaneRun& lane, Variant at, std::size_t row, bool to_the_e
   if (lane.status.arrived()) lane.status = simulator->report().status;
   if (lane.status.ok()) lane.status = before;
   lane.reached = simulator->time();
-  if (lane.done <= lane.posture_wanted) lane.posture = posture_of(*simulator);
+  if (lane.done <= lane.posture_wanted) lane.posture = SimulatorAccess::posture(*simulator);
   if (stopped_ && lane.status.arrived() && lane.done < rows) lane.status = {Code::interrupted, {}, lane.reached};
   const Report& report = simulator->report();
   lane.events.insert(lane.events.end(), report.events.begin(), report.events.end());
@@ -329,8 +330,8 @@ void SideBySide::alone(LaneRun& lane, Variant at, std::size_t row, bool to_the_e
 
 // Empty if the posture has no velocities.
 std::optional<Simulator> SideBySide::simulator_of(LaneRun& lane, Variant at) const {
-  Prepared prepared = prepared_;
-  auto structure = std::make_shared<Structure>(*prepared_.structure);
+  Preparation prepared = prepared_;
+  auto structure = std::make_shared<GroupedSystem>(*prepared_.structure);
   structure->system = at.system;
   structure->start = std::move(at.posture);
   prepared.structure = structure;
@@ -339,7 +340,7 @@ std::optional<Simulator> SideBySide::simulator_of(LaneRun& lane, Variant at) con
   prepared.reselect = at.reselect;
   prepared.plan.run.chunks = prepared.plan.run.threads = 1;
   try {
-    return Simulator(std::move(prepared), settings_);
+    return Simulator(Preparation::shared(std::move(prepared)), settings_);
   } catch (const Error& e) {
     if (e.kind() != Error::Kind::numerical) throw;
     lane.alone = true;

@@ -63,7 +63,7 @@ class SideBySide {
  public:
   // members: null, or those that run() binds instead of taking LaneRun::variant. Throws Error (environment) if a
   // backend of the plan cannot run here.
-  SideBySide(const Prepared& prepared, const StepSettings& settings, const BoundMembers* members = nullptr);
+  SideBySide(const Preparation& prepared, const StepSettings& settings, const BoundMembers* members = nullptr);
 
   [[nodiscard]] int lanes() const { return tile_.lanes(); }
   [[nodiscard]] const std::vector<std::string>& columns() const { return tile_.columns(); }
@@ -96,7 +96,7 @@ class SideBySide {
   void write_row(int lane, LaneRun& run, std::size_t row);
   void give_row(LaneRun& run, std::size_t row) const;
 
-  Prepared prepared_;
+  Preparation prepared_;
   StepSettings settings_;
   Tile tile_;
   std::unique_ptr<MemberBinder> binder_;  // null: the variants are given

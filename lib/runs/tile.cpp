@@ -23,7 +23,7 @@ Status in_lane(const Status& of_group) {
 
 }  // namespace
 
-Tile::Tile(const Prepared& prepared, const StepSettings& settings)
+Tile::Tile(const Preparation& prepared, const StepSettings& settings)
     : structure_(prepared.structure),
       settings_(settings),
       lanes_(prepared.plan.lanes),

@@ -11,7 +11,6 @@
 #include <string>
 #include <vector>
 
-#include "assur/plan.hpp"
 #include "assur/report.hpp"
 #include "assur/simulator.hpp"
 #include "drivers/drive_program.hpp"
@@ -24,6 +23,7 @@
 #include "outputs/angle_turns.hpp"
 #include "outputs/output_program.hpp"
 #include "outputs/output_steps.hpp"
+#include "plan/preparation.hpp"
 
 namespace assur {
 
@@ -32,8 +32,8 @@ struct Variant {
   std::shared_ptr<const System> system;
   std::vector<double> posture;  // all coordinates, internal units
   double time = 0;
-  decltype(Prepared::reselect) reselect;  // as in Prepared
-  std::vector<double> limited = {};       // limited quantities, as Prepared::start_limits
+  decltype(Preparation::reselect) reselect;  // as in Preparation
+  std::vector<double> limited = {};          // limited quantities, as Preparation::start_limits
   // Set: the system is kept from start to start, and only its numbers change; these say which ones change besides those
   // of groups.
   struct Changes {
@@ -46,7 +46,7 @@ struct Variant {
 class Tile {
  public:
   // Throws Error (environment) if a backend of the plan cannot run here.
-  Tile(const Prepared& prepared, const StepSettings& settings);
+  Tile(const Preparation& prepared, const StepSettings& settings);
   Tile(const Tile&) = delete;
   Tile& operator=(const Tile&) = delete;
 
@@ -77,7 +77,7 @@ class Tile {
   // All coordinates of one variant; coordinates that are not computed have the value of the start.
   [[nodiscard]] std::vector<double> posture(int lane) const;
 
-  // The limited quantities of one variant, as in Prepared::start_limits.
+  // The limited quantities of one variant, as in Preparation::start_limits.
   [[nodiscard]] std::vector<double> limited(int lane) const {
     return mechanisms_[static_cast<std::size_t>(lane)].limited();
   }
@@ -140,7 +140,7 @@ class Tile {
   // Those in use.
   [[nodiscard]] std::span<Mechanism> mechanisms() { return std::span(mechanisms_).first(variants_.size()); }
 
-  std::shared_ptr<const Structure> structure_;
+  std::shared_ptr<const GroupedSystem> structure_;
   StepSettings settings_;
   int lanes_;
   std::shared_ptr<StepCode> code_;  // null: there is none

@@ -28,7 +28,7 @@ void mark_not_begun(std::span<LaneRun> runs) {
   }
 }
 
-Tiles::Tiles(Prepared prepared, const StepSettings& settings, std::size_t runs, int threads,
+Tiles::Tiles(Preparation prepared, const StepSettings& settings, std::size_t runs, int threads,
              const BoundMembers* members)
     : prepared_(std::move(prepared)), settings_(settings), members_(members), workers_(idx(threads)) {
   prepared_.plan.lanes = static_cast<std::int32_t>(lanes_for(prepared_.plan, runs));

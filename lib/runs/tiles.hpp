@@ -22,7 +22,7 @@ class Tiles {
  public:
   // runs: largest number of runs in one call of run(); limits the lanes. threads: size of the team. members: as in
   // SideBySide. Throws Error (environment) if a backend of the plan cannot run here.
-  Tiles(Prepared prepared, const StepSettings& settings, std::size_t runs, int threads,
+  Tiles(Preparation prepared, const StepSettings& settings, std::size_t runs, int threads,
         const BoundMembers* members = nullptr);
 
   [[nodiscard]] SideBySide& first() { return *workers_[0]; }
@@ -38,7 +38,7 @@ class Tiles {
   void clear();
 
  private:
-  Prepared prepared_;
+  Preparation prepared_;
   StepSettings settings_;
   const BoundMembers* members_;
   std::vector<std::unique_ptr<SideBySide>> workers_;  // threads; null: not needed so far

@@ -12,10 +12,10 @@ namespace assur {
 
 // Rows that several queues have done, one after another.
 struct Progress {
-  Simulator::Observer observer{};  // may be empty
-  std::int64_t of = 0;             // rows in all, for the observer
-  std::int64_t done = 0;           // by the queues before; the caller adds those of a queue
-  bool stopped = false;            // by the observer
+  Observer observer{};    // may be empty
+  std::int64_t of = 0;    // rows in all, for the observer
+  std::int64_t done = 0;  // by the queues before; the caller adds those of a queue
+  bool stopped = false;   // by the observer
 };
 
 // Calls work(rank, piece, proceed) for all pieces, 0 to pieces - 1, on the threads of the team. Work calls

@@ -161,14 +161,13 @@ inline constexpr std::tuple kConstraints{
 
 inline constexpr std::tuple kDrivers{
     row<PointAngle>(key("angle", list(point(&PointAngle::a, "A"), point(&PointAngle::b, "B", kNoDirection))),
-                    key("axis", slot(&PointAngle::axis, {Means::text, "u"})),
+                    key("axis", slot(&PointAngle::axis)),
                     key("law", slot(&PointAngle::law, {Means::angle}), kNoMotion)),
     row<RelativeAngle>(
         key("angle", list(direction(&RelativeAngle::d, "A"),
                           direction(&RelativeAngle::e, "B",
                                     "an angle from a direction to itself; two different directions are wanted"))),
-        key("axis", slot(&RelativeAngle::axis, {Means::text, "u"})),
-        key("law", slot(&RelativeAngle::law, {Means::angle}), kNoMotion)),
+        key("axis", slot(&RelativeAngle::axis)), key("law", slot(&RelativeAngle::law, {Means::angle}), kNoMotion)),
     row<DrivenDistance>(
         key("distance", list(point(&DrivenDistance::a, "A"), point(&DrivenDistance::b, "B", kNoLength))),
         key("law", slot(&DrivenDistance::law), kNoMotion)),
@@ -185,7 +184,7 @@ inline constexpr std::tuple kMeasures{
         key("axis", Refused{"the angle of one pair of points is for the plane and has no axis; write two directions, "
                             R"([["A", "B"], ["C", "D"]])"})),
     row<AngleBetween>(key("angle", list(direction(&AngleBetween::d, "A"), direction(&AngleBetween::e, "B"))),
-                      key("axis", slot(&AngleBetween::axis, {Means::text, "u"}))),
+                      key("axis", slot(&AngleBetween::axis))),
     row<MeasuredDistance>(
         key("distance", list(point(&MeasuredDistance::a, "A"), point(&MeasuredDistance::b, "B", kNoLength)))),
     row<MeasuredCoordinate>(key("coordinate", scalar(&MeasuredCoordinate::coordinate))),

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "scene/axes.hpp"
 #include "scene/scene_source.hpp"
 
 namespace assur {
@@ -92,6 +93,12 @@ Symbols::Symbols(const Scene& scene, const Known& known) {
   }
   for (const Body& b : SceneSource::written_bodies(scene)) {
     if (!scene.joints().empty()) owners_.insert(b.name);  // also of bodies that became a part of the ground
+  }
+  for (const Driver& d : scene.drivers()) {
+    if (has_made_axis(d)) owners_.insert(d.name);
+  }
+  for (const Measure& m : scene.measures()) {
+    if (has_made_axis(m)) owners_.insert(m.name);
   }
   symbols_.reserve(2 * (scene.points().size() + scene.vectors().size() + scene.constraints().size()));
   enter_all(NameKind::point, scene.points(), is_fixed, written);

@@ -29,7 +29,7 @@ int dimension_of(const System& s, const Equation& e) {
 
 }  // namespace
 
-ConstraintJacobian constraint_jacobian(const Structure& structure, std::span<const std::int32_t> groups,
+ConstraintJacobian constraint_jacobian(const GroupedSystem& structure, std::span<const std::int32_t> groups,
                                        std::span<const double> posture) {
   const System& s = *structure.system;
   ConstraintJacobian out;

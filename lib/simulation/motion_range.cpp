@@ -5,11 +5,12 @@
 #include <utility>
 
 #include "assur/simulator.hpp"
-#include "assur/structure.hpp"
 #include "decimal.hpp"
 #include "equations/system.hpp"
 #include "numbers.hpp"
 #include "scene/names.hpp"
+#include "simulation/simulator_access.hpp"
+#include "structure/grouped_system.hpp"
 
 namespace assur {
 namespace {
@@ -47,7 +48,8 @@ std::string unit_of(const System& system, std::string_view name) {
 RangeEnd end_of(Simulator& simulator, double way, std::vector<double>& change_times, std::vector<PassedLimit>& passed) {
   simulator.reset();
   Status status;
-  for (int k = 1; k <= kSteps && status.arrived(); ++k) status = step_of_run(simulator, way * k / kSteps);
+  for (int k = 1; k <= kSteps && status.arrived(); ++k)
+    status = SimulatorAccess::step_of_run(simulator, way * k / kSteps);
   RangeEnd end;
   if (!status.arrived()) end.code = status.code;
   end.reached = simulator.time();
@@ -81,7 +83,7 @@ MotionRange motion_range(const Scene& scene, std::string_view driver, double far
   });
   MotionRange out;
   out.driver = chosen(driver, names);
-  const Structure structure = analyze(scene);
+  const GroupedSystem structure = group_equations(scene);
   out.unit = unit_of(*structure.system, out.driver);
   const bool length = out.unit == "m";
   const double rate = length ? structure.system->unit(1) : 1;  // of the driver, for each second

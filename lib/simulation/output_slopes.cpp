@@ -19,7 +19,7 @@ struct OutputSlopes::Decomposition {
 
 OutputSlopes::~OutputSlopes() = default;
 
-OutputSlopes::OutputSlopes(const Structure& structure, Continuation& motion, const OutputProgram& outputs)
+OutputSlopes::OutputSlopes(const GroupedSystem& structure, Continuation& motion, const OutputProgram& outputs)
     : motion_(motion), outputs_(outputs) {
   std::vector<std::string> columns;
   std::set<std::pair<std::string, std::size_t>> seen;  // components; rates that are asked for apart have no row

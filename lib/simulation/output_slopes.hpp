@@ -16,7 +16,7 @@ namespace assur {
 class OutputSlopes {
  public:
   // The arguments must outlive this object.
-  OutputSlopes(const Structure& structure, Continuation& motion, const OutputProgram& outputs);
+  OutputSlopes(const GroupedSystem& structure, Continuation& motion, const OutputProgram& outputs);
   ~OutputSlopes();
 
   // Computes the Jacobian of the current posture.

@@ -8,6 +8,7 @@
 #include "simulation/constraint_jacobian.hpp"
 #include "simulation/output_slopes.hpp"
 #include "simulation/run_arguments.hpp"
+#include "simulation/simulator_access.hpp"
 #include "simulation/simulator_impl.hpp"
 
 namespace assur {
@@ -22,16 +23,16 @@ bool is_passage(const Noticed& e) { return e.kind == Code::limit_exceeded || e.k
 
 }  // namespace
 
-std::vector<double> posture_of(const Simulator& simulator) { return simulator.impl_->motion.posture(); }
+std::vector<double> SimulatorAccess::posture(const Simulator& simulator) { return simulator.impl_->motion.posture(); }
 
-void use_clock(Simulator& simulator, std::chrono::steady_clock::time_point (*clock)()) {
+void SimulatorAccess::use_clock(Simulator& simulator, std::chrono::steady_clock::time_point (*clock)()) {
   simulator.impl_->motion.use_clock(clock);
 }
 
 Simulator::Simulator(Prepared prepared, StepSettings settings) {
   check_settings(settings);
-  const double start = prepared.start_time.value_or(prepared.time.start);
-  impl_ = std::make_unique<Impl>(std::make_shared<const Prepared>(std::move(prepared)), settings, start);
+  const std::shared_ptr<const Preparation>& parts = Preparation::of(prepared);
+  impl_ = std::make_unique<Impl>(parts, settings, parts->start_time.value_or(parts->time.start));
   impl_->know_other_sets();
   impl_->fresh = !impl_->has_functions;
 }
@@ -40,22 +41,23 @@ Simulator& Simulator::operator=(Simulator&&) noexcept = default;
 Simulator::~Simulator() = default;
 
 Prepared rehearse(Prepared prepared) {
-  if (!prepared.reselect) return prepared;
+  if (!preparation(prepared).reselect) return prepared;
   Simulator simulator(prepared);
   simulator.stream({}, [](const MemberRows&) {});
   const Simulator::Impl& last = *simulator.impl_;
+  Preparation out = preparation(prepared);
   const auto keep = [&](const Simulator::Impl& set) {
-    if (set.owned != last.first) prepared.other_sets.push_back(set.owned);
+    if (set.owned != last.first) out.other_sets.push_back(set.owned);
   };
-  prepared.other_sets.clear();
+  out.other_sets.clear();
   for (const auto& set : last.others) keep(*set);
   keep(last);
-  return prepared;
+  return Preparation::shared(std::move(out));
 }
 
 double Simulator::time() const { return impl_->motion.time(); }
 
-Status step_of_run(Simulator& simulator, double t) {
+Status SimulatorAccess::step_of_run(Simulator& simulator, double t) {
   simulator.impl_->begin_step();
   return simulator.go_to(t);
 }
@@ -63,7 +65,7 @@ Status step_of_run(Simulator& simulator, double t) {
 Status Simulator::step(double t) {
   impl_->events.bound();
   try {
-    const Status status = step_of_run(*this, t);
+    const Status status = SimulatorAccess::step_of_run(*this, t);
     if (!status.arrived()) impl_->motion.rest();
     return status;
   } catch (...) {  // from a law or a callback
@@ -269,6 +271,6 @@ const Report& Simulator::report() const {
   return impl_->report;
 }
 std::string Simulator::machine_code() const { return impl_->motion.machine_code(); }
-const Prepared& Simulator::prepared() const { return impl_->prepared; }
+Prepared Simulator::prepared() const { return Preparation::shared(impl_->owned); }
 
 }  // namespace assur

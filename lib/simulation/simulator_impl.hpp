@@ -29,7 +29,7 @@ namespace assur {
 
 struct SimulatorState::Impl {
   struct Snapshot {
-    std::shared_ptr<const Prepared> first, prepared;  // at the start of the run; now, perhaps with other equations
+    std::shared_ptr<const Preparation> first, prepared;  // at the start of the run; now, perhaps with other equations
     Continuation::Snapshot motion;
     ErrorEstimate::Snapshot estimate;
     std::int64_t branch_checks = 0;
@@ -55,7 +55,7 @@ struct Simulator::Impl {
   static constexpr int kMostPostponed = 16;  // measurements of errors in a row for which a deadline left no time
 
   // start() or restore() sets the posture.
-  Impl(std::shared_ptr<const Prepared> p, StepSettings l)
+  Impl(std::shared_ptr<const Preparation> p, StepSettings l)
       : owned(std::move(p)),
         prepared(*owned),
         first(owned),
@@ -89,7 +89,7 @@ struct Simulator::Impl {
     for (auto* kept : {&inside, &divided}) *kept = std::make_unique<Snapshot>();
     clear();
   }
-  Impl(std::shared_ptr<const Prepared> p, StepSettings l, double start_time) : Impl(std::move(p), l) {
+  Impl(std::shared_ptr<const Preparation> p, StepSettings l, double start_time) : Impl(std::move(p), l) {
     start(start_time, structure.start);
   }
 
@@ -365,7 +365,7 @@ struct Simulator::Impl {
   // Makes simulators of the sets that were found before, and starts each where it was found, so that a later start
   // takes no memory.
   void know_other_sets() {
-    for (const std::shared_ptr<const Prepared>& set : prepared.other_sets) {
+    for (const std::shared_ptr<const Preparation>& set : prepared.other_sets) {
       if (others.size() == kMostOthers) return;
       others.push_back(std::make_unique<Impl>(set, settings, set->start_time.value_or(set->time.start)));
     }
@@ -436,13 +436,13 @@ struct Simulator::Impl {
     if (!motion.has_time_for(slowest_choice)) return nullptr;
     const auto began_at = motion.now();
     try {
-      Prepared chosen = prepared.reselect(here, motion.time(), better);
+      Preparation chosen = prepared.reselect(here, motion.time(), better);
       slowest_choice = std::max(slowest_choice, motion.now() - began_at);
       if (const auto found = sorted(chosen.structure->checks); found != checks) {
         chosen.reselect = prepared.reselect;
         chosen.start_time = motion.time();
         std::unique_ptr<Impl> next = known(found);
-        if (!next) next = std::make_unique<Impl>(std::make_shared<const Prepared>(std::move(chosen)), settings);
+        if (!next) next = std::make_unique<Impl>(std::make_shared<const Preparation>(std::move(chosen)), settings);
         if (auto started = continued_by(std::move(next), here)) return started;
       }
     } catch (const Error&) {  // the posture has no other set
@@ -532,13 +532,13 @@ struct Simulator::Impl {
     turns.continue_from(row);
   }
 
-  std::shared_ptr<const Prepared> owned;
-  const Prepared& prepared;
-  std::shared_ptr<const Prepared> first;  // plan at the start of the run, for reset()
+  std::shared_ptr<const Preparation> owned;
+  const Preparation& prepared;
+  std::shared_ptr<const Preparation> first;  // plan at the start of the run, for reset()
   StepSettings settings;
   Report report;  // without its events
   EventLog events;
-  const Structure& structure;
+  const GroupedSystem& structure;
   const System& system;
   Continuation motion;
   std::vector<std::string> columns;

@@ -14,8 +14,7 @@ constexpr double kViolated = 1e-6;  // a violation is reported above this: inter
 
 }  // namespace
 
-ClosestPosture closest_posture(const Structure& structure) {
-  const System& s = *structure.system;
+ClosestPosture closest_posture(const System& s) {
   ClosestPosture out;
   out.q = s.guess;
   std::vector<Index> unknowns, equations, column(s.coordinates.size(), -1);

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "assur/structure.hpp"
+#include "equations/system.hpp"
 
 namespace assur {
 
@@ -21,7 +21,8 @@ struct ClosestPosture {
   std::vector<ViolatedConstraint> violated;  // the largest first
 };
 
-// Minimises the sum of squares of all equations, from the guess. `structure`: of a scene that cannot be assembled.
-[[nodiscard]] ClosestPosture closest_posture(const Structure& structure);
+// Minimises the sum of squares of all equations, from the guess. The system is that of a scene that cannot be
+// assembled.
+[[nodiscard]] ClosestPosture closest_posture(const System& system);
 
 }  // namespace assur

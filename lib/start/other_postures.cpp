@@ -104,7 +104,7 @@ std::vector<Part> connected(const System& s, const DoubtfulParts& all, const std
 class Look {
  public:
   Look(const System& system, const Part& part, const std::vector<double>& start, double time,
-       const std::vector<Index>& checks, Structure& out, std::set<std::string>& impossible)
+       const std::vector<Index>& checks, StartFindings& out, std::set<std::string>& impossible)
       : s_(system),
         p_(part),
         start_(start),
@@ -421,7 +421,7 @@ class Look {
   const std::vector<double>& start_;
   double time_;
   const std::vector<Index>& checks_;
-  Structure& out_;
+  StartFindings& out_;
   std::set<std::string>& impossible_;  // names of equations that prevent any motion
   Freedoms freedoms_;
   std::vector<Index> column_;  // scratch of DenseBlock
@@ -447,7 +447,7 @@ std::string restricted(const RedundantSet& set) {
 }
 
 // Describes equations that do not hold elsewhere, in a note, or refuses the scene.
-void tell(const RedundantSet& set, bool is_impossible, Structure& out) {
+void tell(const RedundantSet& set, bool is_impossible, StartFindings& out) {
   const bool is_one = set.checked.size() == 1;
   const std::string holds = subject(set) + (is_one ? " holds" : " hold");
   const std::string amount = general(set.worst.violation, 3) + (set.worst.is_length ? " m" : "");
@@ -494,7 +494,7 @@ Violation violation(const System& s, Index equation, const std::vector<double>& 
 }
 
 void look_at_other_postures(const System& s, const DoubtfulParts& parts, const std::vector<double>& q, double time,
-                            Structure& out) {
+                            StartFindings& out) {
   const std::int64_t driven = out.mobility;
   out.mobility_at_start = driven;
   std::set<std::string> impossible;

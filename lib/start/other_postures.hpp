@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "assur/structure.hpp"
 #include "equations/system.hpp"
+#include "start/findings.hpp"
 
 namespace assur {
 
@@ -19,7 +19,7 @@ struct DoubtfulParts {
 // Sets the kind of each redundant equation (out.redundant, in the order of out.checks) and adds notes; sets
 // out.mobility and out.mobility_at_start. q is the start posture at `time`.
 void look_at_other_postures(const System& system, const DoubtfulParts& parts, const std::vector<double>& q, double time,
-                            Structure& out);
+                            StartFindings& out);
 
 // Violation of an equation: |Phi| / |grad Phi|, SI units; is_length: in m.
 struct Violation {

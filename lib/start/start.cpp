@@ -58,7 +58,7 @@ std::string precise(double value) { return general(value, 6); }
 
 class Start {
  public:
-  Start(const System& system, Problem& problem, Structure& out)
+  Start(const System& system, Problem& problem, StartFindings& out)
       : s_(system), p_(problem), out_(out), column_(system.coordinates.size(), -1) {}
 
   // Returns the parts that are not regular.
@@ -280,7 +280,7 @@ class Start {
 
   const System& s_;
   Problem& p_;
-  Structure& out_;
+  StartFindings& out_;
   std::vector<Index> idle_;  // unknowns that are left out
   DoubtfulParts doubtful_;
   std::vector<Index> column_;  // scratch of DenseBlock
@@ -290,7 +290,7 @@ class Start {
 // and then moves all drivers together to the values of their laws. Both are followed like a motion.
 class DrivenStart {
  public:
-  DrivenStart(const System& system, Problem& problem, Structure& out)
+  DrivenStart(const System& system, Problem& problem, StartFindings& out)
       : s_(system), p_(problem), out_(out), column_(system.coordinates.size(), -1) {}
 
   void run() {
@@ -314,11 +314,11 @@ class DrivenStart {
  private:
   struct Attempt {
     Problem problem;
-    Structure out;
+    StartFindings out;
     DoubtfulParts doubtful;
   };
 
-  Attempt attempt(const Problem& problem, const Structure& out, const std::vector<double>& q) const {
+  Attempt attempt(const Problem& problem, const StartFindings& out, const std::vector<double>& q) const {
     Attempt a{problem, out, {}};
     a.problem.q = q;
     a.doubtful = Start(s_, a.problem, a.out).run();
@@ -406,7 +406,7 @@ class DrivenStart {
   // Blocks, and connected parts with more equations than unknowns. Parts with fewer equations stay as they are.
   std::vector<WalkedPart> walked_parts(const std::vector<double>& q) const {
     Problem p = p_;
-    Structure ignored = out_;
+    StartFindings ignored = out_;
     p.q = q;
     Start(s_, p, ignored).divide();
     std::vector<Index> parent(s_.coordinates.size()), mentioned;
@@ -490,7 +490,7 @@ class DrivenStart {
   }
 
   void note_search(const std::vector<double>& from, const std::vector<double>& to, const std::string& values,
-                   Structure& out) const {
+                   StartFindings& out) const {
     Index most = -1;
     double farthest = 0;
     for (const Index u : p_.unknowns) {
@@ -690,7 +690,7 @@ class DrivenStart {
     return a;
   }
 
-  static bool is_assembled(const Structure& out) { return out.cannot_assemble.empty() && out.undetermined.empty(); }
+  static bool is_assembled(const StartFindings& out) { return out.cannot_assemble.empty() && out.undetermined.empty(); }
 
   // ---- checks
 
@@ -821,12 +821,14 @@ class DrivenStart {
 
   const System& s_;
   Problem& p_;
-  Structure& out_;
+  StartFindings& out_;
   std::vector<Index> column_;  // scratch of DenseBlock
 };
 
 }  // namespace
 
-void assemble_start(const System& system, Problem& problem, Structure& out) { DrivenStart(system, problem, out).run(); }
+void assemble_start(const System& system, Problem& problem, StartFindings& out) {
+  DrivenStart(system, problem, out).run();
+}
 
 }  // namespace assur

@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "assur/structure.hpp"
 #include "graph/blocks.hpp"
+#include "start/findings.hpp"
 
 namespace assur {
 
@@ -24,6 +24,6 @@ struct Problem {
 // Given unknowns, q and time, finds equations and blocks, and moves q to the start posture. Checks that every driver
 // has the value of its law there, because the equations may leave its sign open. Sets checks, redundant, undetermined,
 // cannot_assemble and notes of `out`. out.mobility must hold the freedoms of the drivers, and becomes the mobility.
-void assemble_start(const System& system, Problem& problem, Structure& out);
+void assemble_start(const System& system, Problem& problem, StartFindings& out);
 
 }  // namespace assur

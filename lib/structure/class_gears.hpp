@@ -3,8 +3,8 @@
 
 #include <optional>
 
-#include "assur/structure.hpp"
 #include "equations/system.hpp"
+#include "structure/grouped_system.hpp"
 
 namespace assur {
 

@@ -48,7 +48,7 @@ Index ClassTable::first_like(Index callback) {
   return callback;
 }
 
-void ClassTable::classify(const GroupContent& content, Group& group) {
+void ClassTable::classify(const GroupContent& content, SolvedGroup& group) {
   const System& s = system_;
   LocalEquations of;
   GroupClass& c = of.outline;
@@ -63,6 +63,7 @@ void ClassTable::classify(const GroupContent& content, Group& group) {
   group.equations = content.equations;
   group.inputs.clear();
   group.constants.clear();
+  group.n = c.n;
   group.derivatives = content.derivatives;
 
   local_coordinate_[kOne] = -1;

@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "assur/structure.hpp"
 #include "equations/system.hpp"
+#include "structure/grouped_system.hpp"
 #include "structure/write_class.hpp"
 
 namespace assur {
@@ -28,7 +28,7 @@ class ClassTable {
   ClassTable(const System& system, const std::vector<std::uint8_t>& moves);
 
   // Finds or adds the class of a group and fills group.group_class, unknowns, equations, inputs, constants.
-  void classify(const GroupContent& content, Group& group);
+  void classify(const GroupContent& content, SolvedGroup& group);
 
   [[nodiscard]] std::vector<GroupClass> take() { return std::move(classes_); }
 

@@ -1,11 +1,11 @@
 #include <cs.h>
 
-#include "assur/structure.hpp"
 #include "equations/dense_block.hpp"
+#include "structure/grouped_system.hpp"
 
 namespace assur {
 
-std::int32_t Structure::fill(const Group& group) const {
+std::int32_t GroupedSystem::fill(const SolvedGroup& group) const {
   std::vector<Index> column(system->coordinates.size(), -1);
   const DenseBlock block(*system, group.equations, group.unknowns, column);
   Eigen::SparseMatrix<double> j = block.sparse_jacobian(start);
@@ -24,6 +24,10 @@ std::int32_t Structure::fill(const Group& group) const {
   cs_di_nfree(numeric);
   cs_di_sfree(symbolic);
   return fill;
+}
+
+std::int32_t Structure::fill(std::int32_t group) const {
+  return parts_->fill(parts_->groups[static_cast<std::size_t>(group)]);
 }
 
 }  // namespace assur

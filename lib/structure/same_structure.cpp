@@ -7,7 +7,7 @@
 namespace assur {
 namespace {
 
-bool same_group(const Group& a, const Group& b) {
+bool same_group(const SolvedGroup& a, const SolvedGroup& b) {
   return a.group_class == b.group_class && a.level == b.level && a.unknowns == b.unknowns &&
          a.equations == b.equations && a.inputs == b.inputs && a.constants == b.constants;
 }
@@ -53,7 +53,7 @@ bool same_gears(const System& a, const System& b) {
 
 }  // namespace
 
-bool same_structure(const Structure& a, const Structure& b) {
+bool same_structure(const GroupedSystem& a, const GroupedSystem& b) {
   if (a.system == b.system) return true;
   return a.classes == b.classes &&
          std::equal(a.groups.begin(), a.groups.end(), b.groups.begin(), b.groups.end(), same_group) &&

@@ -1,4 +1,4 @@
-#include "assur/structure.hpp"
+#include "structure/grouped_system.hpp"
 
 #include <algorithm>
 #include <map>
@@ -12,9 +12,9 @@
 #include "start/other_postures.hpp"
 #include "start/redundant_sets.hpp"
 #include "start/start.hpp"
-#include "structure/at_rest.hpp"
 #include "structure/classes.hpp"
 #include "structure/cut.hpp"
+#include "structure/grouped_system.hpp"
 #include "structure/grouping.hpp"
 #include "structure/presolve.hpp"
 #include "structure/slides.hpp"
@@ -31,7 +31,7 @@ std::vector<Index> all_unknowns(const System& s) {
 }
 
 // Counts coordinates, unknowns and equations of the whole scene, before parts of it are left out.
-void count(const System& s, const std::vector<Index>& unknowns, Structure& out) {
+void count(const System& s, const std::vector<Index>& unknowns, GroupedSystem& out) {
   for (const Item& item : s.items) {
     if (item.hidden) continue;
     (item.derived ? out.derived : out.coordinates) += item.components;
@@ -41,7 +41,7 @@ void count(const System& s, const std::vector<Index>& unknowns, Structure& out) 
   for (const DriverInput& in : s.inputs) out.mobility += freedoms_of(s, in);
 }
 
-void list_left_out(const Blocks& blocks, const Cut& cut, AtRest at_rest, Structure& out) {
+void list_left_out(const Blocks& blocks, const Cut& cut, AtRest at_rest, GroupedSystem& out) {
   for (Index b = 0; b < blocks.size(); ++b) {
     const auto u = blocks.unknowns_of(b);
     if (cut.is_static(b) && at_rest == AtRest::left_out)
@@ -87,14 +87,14 @@ GroupContent content(const Blocks& blocks, const std::vector<Index>& solved, con
 
 // The groups at rest, on levels below 0. Only positions are solved: the rates are 0.
 void classify_at_rest(const Blocks& blocks, const std::vector<Draft>& drafts, const Cut& cut, ClassTable& table,
-                      Structure& out) {
+                      GroupedSystem& out) {
   std::vector<Index> solved;
   for (const Draft& d : drafts) {
     solved.clear();
     std::copy_if(d.blocks.begin(), d.blocks.end(), std::back_inserter(solved),
                  [&](Index b) { return cut.is_needed(b) && cut.is_static(b); });
     if (solved.empty()) continue;
-    Group group;
+    SolvedGroup group;
     group.name = d.name;
     group.of = d.of;
     group.level = d.level - static_cast<Index>(drafts.size());
@@ -105,7 +105,7 @@ void classify_at_rest(const Blocks& blocks, const std::vector<Draft>& drafts, co
 }
 
 void classify(const System& s, const Blocks& blocks, std::vector<Draft> drafts, const Cut& cut,
-              int predictor_derivatives, AtRest at_rest, Structure& out) {
+              int predictor_derivatives, AtRest at_rest, GroupedSystem& out) {
   ClassTable table(s, cut.moves);
   out.groups.reserve(drafts.size());
   if (at_rest == AtRest::in_front) classify_at_rest(blocks, drafts, cut, table, out);
@@ -124,7 +124,7 @@ void classify(const System& s, const Blocks& blocks, std::vector<Draft> drafts, 
       continue;
     }
     const auto [wanted, computed] = cut.groups[g];
-    Group group;
+    SolvedGroup group;
     group.name = d.name;
     group.of = d.of;
     group.level = d.level;
@@ -137,18 +137,18 @@ void classify(const System& s, const Blocks& blocks, std::vector<Draft> drafts, 
 }
 
 // Closes gaps in the levels after static and unneeded groups were removed.
-void close_gaps(Structure& out) {
+void close_gaps(GroupedSystem& out) {
   std::set<Index> used;
-  for (const Group& g : out.groups) used.insert(g.level);
+  for (const SolvedGroup& g : out.groups) used.insert(g.level);
   const std::vector<Index> levels(used.begin(), used.end());
-  for (Group& g : out.groups) {
+  for (SolvedGroup& g : out.groups) {
     g.level = static_cast<Index>(std::lower_bound(levels.begin(), levels.end(), g.level) - levels.begin());
   }
   out.levels = static_cast<Index>(levels.size());
 }
 
 // Equations of joints are named by the joints of their loops.
-void name_watched(const System& s, const std::vector<Index>& equations, Structure& out) {
+void name_watched(const System& s, const std::vector<Index>& equations, GroupedSystem& out) {
   std::map<std::string, std::string> names;
   for (const RedundantSet& set : redundant_sets(*s.scene, out.redundant)) {
     if (set.named.joints.empty()) continue;
@@ -163,7 +163,7 @@ void name_watched(const System& s, const std::vector<Index>& equations, Structur
 }
 
 // Watches the unsolved equations that move and whose coordinates are known.
-void watch_unsolved_equations(const System& s, const Blocks& blocks, const Cut& cut, Structure& out) {
+void watch_unsolved_equations(const System& s, const Blocks& blocks, const Cut& cut, GroupedSystem& out) {
   std::vector<std::uint8_t> available(s.coordinates.size(), 0);
   for (std::size_t c = 0; c < available.size(); ++c) available[c] = s.coordinates[c].role != Role::unknown;
   for (Index b = 0; b < blocks.size(); ++b) {
@@ -198,24 +198,20 @@ void drop_repeated(std::vector<Diagnostic>& notes) {
 
 }  // namespace
 
-Structure analyze(const Scene& scene, const StructureOptions& options) {
-  return analyze(scene, options, AtRest::left_out);
-}
-
-Structure analyze(const Scene& scene, const StructureOptions& options, AtRest at_rest) {
+GroupedSystem group_equations(const Scene& scene, const StructureOptions& options, const KnownStart& start) {
   const bool irreducible = options.formulation == Formulation::irreducible;
-  const bool at_start = options.posture.empty();
+  const bool at_start = start.posture.empty();
   System s = lower(std::make_shared<const Scene>(scene), options.controlled, !irreducible);
   Problem p;
-  Structure out;
+  GroupedSystem out;
   const auto assemble = [&] {
     const Tape::Recording none(nullptr);  // only equations are recorded
     p = {};
     p.unknowns = all_unknowns(s);
-    p.q = at_start ? s.guess : options.posture;
+    p.q = at_start ? s.guess : start.posture;
     p.is_guess = at_start;
-    p.time = at_start ? scene.time().start : options.time;
-    p.checked = options.checked;
+    p.time = at_start ? scene.time().start : start.time;
+    p.checked = start.checked;
     out = {};
     out.formulation = options.formulation;
     count(s, p.unknowns, out);
@@ -234,14 +230,18 @@ Structure analyze(const Scene& scene, const StructureOptions& options, AtRest at
 
   std::vector<Draft> drafts = form_groups(s, p.blocks, options.formulation);
   const Cut cut = cut_to_outputs(s, p.blocks, drafts, out.checks, options.predictor_derivatives);
-  list_left_out(p.blocks, cut, at_rest, out);
-  classify(s, p.blocks, std::move(drafts), cut, options.predictor_derivatives, at_rest, out);
+  list_left_out(p.blocks, cut, start.at_rest, out);
+  classify(s, p.blocks, std::move(drafts), cut, options.predictor_derivatives, start.at_rest, out);
   close_gaps(out);
   watch_unsolved_equations(s, p.blocks, cut, out);
 
   out.start = std::move(p.q);
   out.system = std::make_shared<const System>(std::move(s));
   return out;
+}
+
+Structure analyze(const Scene& scene, const StructureOptions& options) {
+  return Structure(std::make_shared<const GroupedSystem>(group_equations(scene, options)));
 }
 
 }  // namespace assur

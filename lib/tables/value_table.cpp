@@ -40,7 +40,7 @@ constexpr double kAsDrawn = 1e-9;     // relative residual of a posture as writt
 bool same_bits(double a, double b) { return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b); }
 
 // True if another mechanism has the same structure, outputs and start time.
-bool alike(const Prepared& a, const Structure& b, const TimeGrid& time) {
+bool alike(const Preparation& a, const GroupedSystem& b, const TimeGrid& time) {
   return same_structure(*a.structure, b) && a.structure->system->outputs == b.system->outputs &&
          same_bits(a.time.start, time.start);
 }
@@ -52,9 +52,9 @@ class ValueTable::Binder : public MemberBinder {
  public:
   Binder(const ValueTable& table, std::size_t lanes)
       : table_(table), replay_(*table.program_, lanes, code_for(table, lanes)) {
-    const Structure& structure = *table.structure_;
+    const GroupedSystem& structure = *table.structure_;
     near_.reserve(structure.system->coordinates.size());
-    for (const Group& g : structure.groups) near_.insert(near_.end(), g.unknowns.begin(), g.unknowns.end());
+    for (const SolvedGroup& g : structure.groups) near_.insert(near_.end(), g.unknowns.begin(), g.unknowns.end());
     lanes_.reserve(lanes);
     for (std::size_t l = 0; l < lanes; ++l) lanes_.emplace_back(table);
     find_way(lanes_[0]);
@@ -149,7 +149,7 @@ class ValueTable::Binder : public MemberBinder {
     // The posture does not depend on the member that the lane had before.
     void set(const Replay& replay, std::size_t lane, const Binder& binder) {
       target.set(replay, lane);
-      const Structure& recorded = *binder.table_.structure_;
+      const GroupedSystem& recorded = *binder.table_.structure_;
       for (const Index c : recorded.static_coordinates) variant.posture[idx(c)] = recorded.start[idx(c)];
       for (const Index c : binder.from_guess_) variant.posture[idx(c)] = system->guess[idx(c)];
     }
@@ -199,7 +199,7 @@ class ValueTable::Binder : public MemberBinder {
 
   // Equations between coordinates that are at rest. They are not solved in the lanes: such a coordinate is where its
   // guess is, if that is where it was assembled, or where it was at the recorded member.
-  void find_static_equations(const Structure& structure) {
+  void find_static_equations(const GroupedSystem& structure) {
     const System& s = *structure.system;
     std::vector<std::uint8_t> is_static(s.coordinates.size(), 0);
     for (const Index c : structure.static_coordinates) {
@@ -310,7 +310,7 @@ class ValueTable::Binder : public MemberBinder {
     const auto holds = [&](Index e, double within) {
       return std::abs(residual<double>(s, e, v.posture)) <= within * residual_scale(s, e, v.posture);
     };
-    for (const Group& g : table_.structure_->groups) {
+    for (const SolvedGroup& g : table_.structure_->groups) {
       if (!std::all_of(g.equations.begin(), g.equations.end(), [&](Index e) { return holds(e, kAsDrawn); }))
         return false;
     }
@@ -319,7 +319,7 @@ class ValueTable::Binder : public MemberBinder {
   }
 
   // Frames of which all coordinates are computed.
-  void find_frames(const Structure& structure) {
+  void find_frames(const GroupedSystem& structure) {
     const System& s = *structure.system;
     std::vector<std::uint8_t> computed(s.coordinates.size(), 0);
     for (std::size_t c = 0; c < computed.size(); ++c) computed[c] = s.coordinates[c].role != Role::unknown;
@@ -388,7 +388,7 @@ KnownStart ValueTable::known_start() const {
   return start;
 }
 
-Prepared ValueTable::prepare(const Scene& scene) const {
+Preparation ValueTable::prepare(const Scene& scene) const {
   return prepare_at(scene, options_, known_start(), first_ ? &*first_ : nullptr);
 }
 
@@ -421,7 +421,7 @@ void ValueTable::prepare_first() {
 }
 
 std::vector<std::string> ValueTable::columns() const {
-  return column_names(first_ ? *first_->structure->system : *analyze(scene_).system);
+  return column_names(first_ ? *first_->structure->system : *group_equations(scene_).system);
 }
 
 // True if the columns that the computation does not vary have their recorded values.

@@ -22,7 +22,8 @@ constexpr double kShortest = 0x1p-8;        // step; one mechanism alone takes s
 constexpr int kMostSteps = 100;
 
 // The Jacobian of a part at a posture, in the order of a pattern.
-std::vector<double> nonzeros(const System& s, const Group& group, const Pattern& pattern, std::span<const double> q) {
+std::vector<double> nonzeros(const System& s, const SolvedGroup& group, const Pattern& pattern,
+                             std::span<const double> q) {
   std::vector<Index> column(s.coordinates.size(), -1);
   const std::vector<double> posture(q.begin(), q.end());
   const Eigen::MatrixXd j = DenseBlock(s, group.equations, group.unknowns, column).jacobian(posture);
@@ -43,7 +44,7 @@ std::unique_ptr<WalkInLanes> WalkInLanes::make(const System& system, std::span<c
   const std::size_t w = out->w_;
   const std::vector<std::uint8_t> moves(system.coordinates.size(), 1);
   ClassTable table(system, moves);
-  std::vector<Group> groups;
+  std::vector<SolvedGroup> groups;
   for (const WalkedPart& part : parts) {
     if (part.equations.size() != part.unknowns.size() || std::ssize(part.unknowns) > kMostUnknowns) return nullptr;
     GroupContent content;
@@ -56,7 +57,7 @@ std::unique_ptr<WalkInLanes> WalkInLanes::make(const System& system, std::span<c
   std::size_t inputs = 0, unknowns = 0, work = 0;
   const std::vector<GroupClass> classes = table.take();
   std::vector<lanes::Elimination> eliminations;  // of the programs
-  for (const Group& group : groups) {
+  for (const SolvedGroup& group : groups) {
     const GroupClass& c = classes[idx(group.group_class)];
     if (!can_take(Path::walk_in_lanes, needs_of(c))) return nullptr;
     const Pattern& pattern = c.pattern;

@@ -13,10 +13,10 @@
 #include "graph/demand.hpp"
 #include "index.hpp"
 #include "numbers.hpp"
+#include "plan/preparation.hpp"
+#include "simulation/simulator_access.hpp"
 
 namespace assur {
-
-std::vector<double> posture_of(const Simulator& simulator);
 
 namespace {
 
@@ -43,14 +43,14 @@ Certificate not_this_motion(double t, bool in_chunks) {
 
 bool same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
 
-const Scene& scene_of(const Prepared& prepared) {
+const Scene& scene_of(const Preparation& prepared) {
   if (prepared.scene) return *prepared.scene;
   throw Error(Error::Kind::input, "a loaded plan has no scene, which a certificate needs: prepare the scene instead");
 }
 
 }  // namespace
 
-Certifier::Certifier(const Prepared& prepared)
+Certifier::Certifier(const Preparation& prepared)
     : structure_(prepared.structure),
       controlled_(prepared.controlled),
       system_(lower(std::make_shared<const Scene>(scene_of(prepared)), controlled_,
@@ -62,7 +62,7 @@ Certifier::Certifier(const Prepared& prepared)
 }
 
 // Finds the blocks of the solved equations that the outputs need.
-void Certifier::find_blocks(const Structure& structure) {
+void Certifier::find_blocks(const GroupedSystem& structure) {
   std::vector<Index> equations, unknowns;
   for (std::size_t c = 0; c < system_.coordinates.size(); ++c) {
     if (system_.coordinates[c].role == Role::unknown) unknowns.push_back(static_cast<Index>(c));
@@ -253,15 +253,15 @@ Eigen::VectorXd Certifier::curvature(Index b, const Eigen::VectorXd& d) const {
 }
 
 Certificate certify(const Simulator& simulator) {
-  return Certifier(simulator.prepared()).certify(posture_of(simulator), simulator.time());
+  return Certifier(preparation(simulator.prepared())).certify(SimulatorAccess::posture(simulator), simulator.time());
 }
 
 std::vector<Certificate> certify(const Prepared& prepared, const Trajectory& trajectory, StepSettings settings) {
   std::vector<Certificate> out;
-  Prepared plan = prepared;
+  Preparation plan = preparation(prepared);
   const bool in_chunks = std::exchange(plan.plan.run.chunks, 1) > 1;
-  Simulator simulator(std::move(plan), std::move(settings));
-  std::shared_ptr<const Structure> structure;
+  Simulator simulator(Preparation::shared(std::move(plan)), std::move(settings));
+  std::shared_ptr<const GroupedSystem> structure;
   std::optional<Certifier> certifier;
   (void)simulator.run(trajectory.times(), [&](std::int64_t done, std::int64_t) {
     const std::span<const double> row = trajectory.row(static_cast<std::size_t>(done - 1)), now = simulator.outputs();
@@ -269,11 +269,12 @@ std::vector<Certificate> certify(const Prepared& prepared, const Trajectory& tra
       out.push_back(not_this_motion(simulator.time(), in_chunks));
       return false;
     }
-    if (structure != simulator.prepared().structure) {  // reselection of redundant equations changes the structure
-      structure = simulator.prepared().structure;
-      certifier.emplace(simulator.prepared());
+    const Prepared now_prepared = simulator.prepared();
+    if (structure != preparation(now_prepared).structure) {  // reselection of redundant equations changes the structure
+      structure = preparation(now_prepared).structure;
+      certifier.emplace(preparation(now_prepared));
     }
-    out.push_back(certifier->certify(posture_of(simulator), simulator.time()));
+    out.push_back(certifier->certify(SimulatorAccess::posture(simulator), simulator.time()));
     return false;
   });
   while (out.size() < trajectory.rows()) out.push_back(not_this_motion(trajectory.times()[out.size()], in_chunks));

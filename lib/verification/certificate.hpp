@@ -21,9 +21,9 @@ namespace assur {
 class Certifier {
  public:
   // Throws Error (input) if the plan was loaded: the scene is needed.
-  explicit Certifier(const Prepared& prepared);
+  explicit Certifier(const Preparation& prepared);
 
-  // posture: all coordinates of Prepared::structure->system, internal units, computed for time t.
+  // posture: all coordinates of Preparation::structure->system, internal units, computed for time t.
   [[nodiscard]] Certificate certify(std::span<const double> posture, double t);
 
   // Balls that contain the true value of each coordinate at the last posture; the radius is infinite if nothing is
@@ -32,7 +32,7 @@ class Certifier {
   [[nodiscard]] const System& system() const { return system_; }
 
  private:
-  void find_blocks(const Structure& structure);
+  void find_blocks(const GroupedSystem& structure);
   void drive(double t);
   void take_unknowns(std::span<const double> posture);
   // Encloses the unknowns of a block. If there is no proof and first_reason is empty, it becomes the reason.
@@ -42,7 +42,7 @@ class Certifier {
   [[nodiscard]] QuadraticEquations equations_of(Index block) const;
   [[nodiscard]] Eigen::VectorXd curvature(Index block, const Eigen::VectorXd& radius) const;
 
-  std::shared_ptr<const Structure> structure_;
+  std::shared_ptr<const GroupedSystem> structure_;
   std::vector<std::string> controlled_;
   System system_;  // without presolve
   Blocks blocks_;

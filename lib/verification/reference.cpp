@@ -181,7 +181,7 @@ class Comparison {
 }  // namespace
 
 ForwardError forward_error(const Prepared& prepared, const Trajectory& trajectory) {
-  if (!prepared.scene) {
+  if (prepared.scene() == nullptr) {
     throw Error(Error::Kind::input, "a loaded plan has no scene, which a reference needs: prepare the scene instead");
   }
   return Comparison(prepared, trajectory).run();

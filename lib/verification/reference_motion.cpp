@@ -5,13 +5,14 @@
 #include <cmath>
 #include <string>
 
-#include "assur/structure.hpp"
 #include "equations/drive.hpp"
 #include "equations/lowering.hpp"
 #include "equations/outputs.hpp"
 #include "graph/demand.hpp"
 #include "index.hpp"
+#include "plan/preparation.hpp"
 #include "scene/law_evaluate.hpp"
+#include "structure/grouped_system.hpp"
 
 namespace assur {
 namespace {
@@ -55,8 +56,9 @@ int ReferenceLu::determinant_sign() const {
   return sign;
 }
 
-ReferenceMotion::ReferenceMotion(const Prepared& prepared)
-    : system_(lower(prepared.scene, prepared.controlled, prepared.structure->formulation != Formulation::irreducible)) {
+ReferenceMotion::ReferenceMotion(const Prepared& of)
+    : system_(lower(preparation(of).scene, of.controlled(), of.structure().formulation() != Formulation::irreducible)) {
+  const Preparation& prepared = preparation(of);
   const std::size_t n = system_.coordinates.size();
   column_.assign(n, -1);
   rounded_.assign(n, 0.0);
@@ -76,7 +78,7 @@ ReferenceMotion::ReferenceMotion(const Prepared& prepared)
 }
 
 // The equations that the structure solves, without those that it only watches.
-void ReferenceMotion::find_blocks(const Structure& structure) {
+void ReferenceMotion::find_blocks(const GroupedSystem& structure) {
   std::vector<std::uint8_t> moves(system_.coordinates.size(), 0);
   std::vector<Index> equations, unknowns, mentioned;
   for (std::size_t c = 0; c < system_.coordinates.size(); ++c) {

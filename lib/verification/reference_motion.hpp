@@ -7,11 +7,11 @@
 #include <span>
 #include <vector>
 
-#include "assur/plan.hpp"
 #include "decompositions.hpp"
 #include "equations/dense_block.hpp"
 #include "equations/system.hpp"
 #include "graph/blocks.hpp"
+#include "plan/preparation.hpp"
 #include "verification/quad.hpp"
 
 namespace assur {
@@ -63,7 +63,7 @@ class ReferenceMotion {
     std::size_t index = 0;
   };
 
-  void find_blocks(const Structure& structure);
+  void find_blocks(const GroupedSystem& structure);
   [[nodiscard]] Block block_of(Index b) const;
   void drive(double t);
   void predict(double t);

@@ -235,18 +235,19 @@ jacobian(x): array of (equations, coordinates). curvature(x, rates): array of (e
       .def(
           "drive_angle",
           [](B& b, const std::string& name, const std::string& from, const std::string& to, const Law& law,
-             const std::string& axis, bool relative) -> B& {
-            return b.drive(name, PointAngle{from, to, axis, law}, relative);
+             const py::object& axis, bool relative) -> B& {
+            return b.drive(name, PointAngle{from, to, anchor_of(axis), law}, relative);
           },
           py::arg("name"), py::arg("a"), py::arg("b"), py::arg("law"), py::arg("axis") = "",
           py::arg("relative") = false, self,
-          "Drives the direction from point a to point b, rad. In space about a fixed axis. relative: from the posture "
+          "Drives the direction from point a to point b, rad. In space about a fixed axis, numbers or the name of a "
+          "vector. relative: from the posture "
           "as written.")
       .def(
           "drive_relative_angle",
           [](B& b, const std::string& name, const py::object& d, const py::object& e, const Law& law,
-             const std::string& axis, bool relative) -> B& {
-            return b.drive(name, RelativeAngle{direction_of(d), direction_of(e), axis, law}, relative);
+             const py::object& axis, bool relative) -> B& {
+            return b.drive(name, RelativeAngle{direction_of(d), direction_of(e), anchor_of(axis), law}, relative);
           },
           py::arg("name"), py::arg("d"), py::arg("e"), py::arg("law"), py::arg("axis") = "",
           py::arg("relative") = false, self, "Drives the angle from one direction to another, rad.")
@@ -282,8 +283,8 @@ jacobian(x): array of (equations, coordinates). curvature(x, rates): array of (e
           py::arg("name"), py::arg("a"), py::arg("b"), self, "Direction from a to b, in the plane, rad.")
       .def(
           "measure_angle_between",
-          [](B& b, const std::string& name, const py::object& d, const py::object& e, const std::string& axis) -> B& {
-            return b.measure(name, AngleBetween{direction_of(d), direction_of(e), axis});
+          [](B& b, const std::string& name, const py::object& d, const py::object& e, const py::object& axis) -> B& {
+            return b.measure(name, AngleBetween{direction_of(d), direction_of(e), anchor_of(axis)});
           },
           py::arg("name"), py::arg("d"), py::arg("e"), py::arg("axis") = "", self, "Angle from d to e, rad.")
       .def(

@@ -67,7 +67,7 @@ PyObject* set(PyObject* self, PyObject* const* arguments, Py_ssize_t count, PyOb
 
 PyObject* step(PyObject* self, PyObject* const* arguments, Py_ssize_t count, PyObject* names) {
   const Simulator* const simulator = simulator_in(self);
-  if (simulator == nullptr || names != nullptr || count != 0 || simulator->prepared().plan.run.threads > 1) {
+  if (simulator == nullptr || names != nullptr || count != 0 || simulator->prepared().plan().run.threads > 1) {
     return call(methods().step, self, arguments, count, names);
   }
   return guarded([&] {

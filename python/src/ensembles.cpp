@@ -78,7 +78,7 @@ auto run_members(const TableEnsemble& e, const std::optional<Array>& times, cons
                  bool& interrupted, const Run& run) {
   const TableEnsemble::Use ensemble = e.use();
   const std::vector<double> at = times ? numbers(*times) : std::vector<double>();
-  return run_watched(progress, interrupted, [&](const Simulator::Observer& observer) {
+  return run_watched(progress, interrupted, [&](const Observer& observer) {
     return times ? run(*ensemble, std::span(at), observer) : run(*ensemble, observer);
   });
 }

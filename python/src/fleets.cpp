@@ -141,33 +141,26 @@ void add_fleets(py::module_& m) {
           "The linkages random_linkage(seed, k, joints) for k = first, first + 1, ..., which need no memory. They have "
           "no "
           "unit but m, rad and s.")
-      .def("__len__", &Fleet::size)
+      .def("__len__", &Fleet::members)
       .def(
           "run",
           [](const Fleet& fleet, const Array& times, int threads, double accuracy, const py::object& progress) {
             const std::vector<double> at = numbers(times);
-            const auto rows = static_cast<py::ssize_t>(at.size()), count = static_cast<py::ssize_t>(fleet.size());
+            const auto rows = static_cast<py::ssize_t>(at.size()), count = static_cast<py::ssize_t>(fleet.members());
             py::array_t<double> paths({count, rows, py::ssize_t{2}}), reached(count);
-            std::vector<std::string> status(fleet.size(), std::string(name(Code::interrupted)));
+            std::vector<std::string> status(fleet.members(), std::string(name(Code::interrupted)));
             double* const xy = paths.mutable_data();
             double* const ends = reached.mutable_data();
             bool interrupted = false;
-            (void)run_watched(progress, interrupted, [&](const Simulator::Observer& observer) {
-              std::atomic<std::int64_t> done{0};
-              const std::thread::id caller = std::this_thread::get_id();
-              const auto tell = [&] { return observer(done.load(), static_cast<std::int64_t>(fleet.size())); };
+            (void)run_watched(progress, interrupted, [&](const Observer& observer) {
               const auto take = [&](std::size_t i, const LinkageMotion& motion) {
                 double* to = xy + i * at.size() * 2;
                 for (const PlanePoint& p : motion.path) to = std::copy(p.begin(), p.end(), to);
                 std::fill(to, xy + (i + 1) * at.size() * 2, std::numeric_limits<double>::quiet_NaN());
                 ends[i] = motion.reached;
                 status[i] = name(motion.status.code);
-                ++done;
               };
-              const auto stop = [&] { return std::this_thread::get_id() == caller && tell(); };
-              const FleetReport report = fleet.run(at, take, {.threads = threads, .accuracy = accuracy, .stop = stop});
-              (void)tell();
-              return report;
+              return fleet.stream(take, at, {.threads = threads, .accuracy = accuracy, .observer = observer});
             });
             for (std::size_t i = 0; i < status.size() && interrupted; ++i) {
               if (status[i] != name(Code::interrupted)) continue;
@@ -186,7 +179,7 @@ paths: an array of (linkages, times, 2), m, of the traced joints; NaN where a li
 (linkages,), the last time of each, s. status: 'ok', 'fold', ... of each. accuracy: a
 motion with a larger estimated error, relative, is 'inaccurate'. Ctrl-C raises Interrupted, whose `result` has the
 linkages that are done; the others are NaN, with the status 'interrupted'. progress: tqdm, or a bar of it.)")
-      .def("__repr__", [](const Fleet& f) { return "Fleet(" + plural(f.size(), "linkage") + ")"; });
+      .def("__repr__", [](const Fleet& f) { return "Fleet(" + plural(f.members(), "linkage") + ")"; });
 
   m.def(
       "random_linkage",

@@ -88,7 +88,7 @@ void add_jacobians(py::module_& m) {
             const std::vector<double> at = times ? numbers(*times) : std::vector<double>();
             const RowSink sink = row_sink(callback, false);
             bool interrupted = false;
-            const std::size_t rows = run_watched(progress, interrupted, [&](const Simulator::Observer& observer) {
+            const std::size_t rows = run_watched(progress, interrupted, [&](const Observer& observer) {
               return times ? s->stream(selection, sink, at, observer) : s->stream(selection, sink, observer);
             });
             if (interrupted) raise_interrupted(py::int_(rows));

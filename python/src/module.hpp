@@ -147,7 +147,7 @@ struct Session : Exclusive<Simulator> {
   template <class Work>
   auto call(const Work& work) const {
     const Use simulator = use();
-    return with_threads(simulator->prepared().plan, [&] { return work(*simulator); });
+    return with_threads(simulator->prepared().plan(), [&] { return work(*simulator); });
   }
 
   std::vector<ModeChoice> modes;

@@ -26,18 +26,19 @@ std::vector<double> frames_of(const std::vector<double>& times) {
 }
 
 std::string page_of(const Ready& wanted, const std::vector<double>& times) {
-  if (!wanted.scene) {
+  if (wanted.scene() == nullptr) {
     throw Error(Error::Kind::input, "a loaded plan has no scene to draw; prepare the scene instead");
   }
   PrepareOptions how;
-  how.controlled = wanted.controlled;
+  how.controlled = wanted.controlled();
   how.budget = ThreadBudget{1};
-  const Scene shown = pictures::with_all_places(*wanted.scene);
+  const Scene shown = pictures::with_all_places(*wanted.scene());
   Simulator simulator(wanted.modes.empty() ? prepare(shown, how) : prepare_in_modes(shown, wanted.modes, how));
   bool interrupted = false;
-  const pictures::Animation animation = run_watched(py::none(), interrupted, [&](const Simulator::Observer& observer) {
-    return pictures::animation_of(wanted, simulator, times,
-                                  [&](std::int64_t k) { return !observer(k, static_cast<std::int64_t>(times.size())); });
+  const pictures::Animation animation = run_watched(py::none(), interrupted, [&](const Observer& observer) {
+    return pictures::animation_of(wanted, simulator, times, [&](std::int64_t k) {
+      return !observer(k, static_cast<std::int64_t>(times.size()));
+    });
   });
   const std::string from = output::number(times.front()), to = output::number(times.back());
   return animation.page({"t = " + from + " to " + to + " s; assur " ASSUR_VERSION "."});
@@ -45,7 +46,7 @@ std::string page_of(const Ready& wanted, const std::vector<double>& times) {
 
 std::string page_of(const Scene& scene) {
   const Structure structure = analyze(scene);
-  if (!structure.cannot_assemble.empty()) {
+  if (!structure.cannot_assemble().empty()) {
     return pictures::Animation(scene, structure).page({"assur " ASSUR_VERSION "."});
   }
   PrepareOptions how;
@@ -65,7 +66,7 @@ void add_pages(py::module_& m) {
     cls.attr("page") = py::cpp_function(page, py::name("page"), py::is_method(cls), kDoc);
   };
   add("Scene", [](const Scene& s) { return page_of(s); });
-  add("Prepared", [](const Ready& p) { return page_of(p, grid_of(p.time)); });
+  add("Prepared", [](const Ready& p) { return page_of(p, grid_of(p.time())); });
   add("Trajectory", [](const Motions& t) {
     if (t.rows() == 0) throw Error(Error::Kind::input, "a motion without rows cannot be drawn");
     return page_of(*t.of, frames_of(t.times()));

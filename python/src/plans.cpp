@@ -9,9 +9,9 @@ namespace assur::python {
 namespace {
 
 std::string text_of(const Prepared& p) {
-  std::string out = "Prepared('" + p.name + "', " + plural(p.structure->groups.size(), "group") + " in " +
-                    plural(p.structure->classes.size(), "class") + ":";
-  for (const Plan::Choice& c : p.plan.choices) out += " " + to_string(p.plan.strategy(c));
+  std::string out = "Prepared('" + p.name() + "', " + plural(p.structure().groups().size(), "group") + " in " +
+                    plural(static_cast<std::size_t>(p.structure().classes()), "class") + ":";
+  for (const Plan::Choice& c : p.plan().choices) out += " " + to_string(p.plan().strategy(c));
   return out + ")";
 }
 
@@ -41,21 +41,21 @@ std::vector<ModeChoice> choices_of(const std::map<std::string, std::size_t>& mod
 
 void add_plans(py::module_& m) {
   py::class_<Ready>(m, "Prepared", R"(A scene that is ready to run: its structure and the plan that solves it.)")
-      .def_readonly("name", &Prepared::name, "Name of the scene.")
       .def_property_readonly(
-          "scene", [](const Ready& p) { return p.scene ? std::optional(*p.scene) : std::nullopt; },
+          "name", [](const Ready& p) { return p.name(); }, "Name of the scene.")
+      .def_property_readonly(
+          "scene", [](const Ready& p) { return p.scene() != nullptr ? std::optional(*p.scene()) : std::nullopt; },
           "The Scene; None for a loaded plan.")
       .def_property_readonly(
-          "time", [](const Ready& p) { return py::make_tuple(p.time.start, p.time.end, p.time.step); },
+          "time", [](const Ready& p) { return py::make_tuple(p.time().start, p.time().end, p.time().step); },
           "The time grid: (start, end, step), s.")
-      .def_readonly("controlled", &Prepared::controlled, "Names of the drivers that the program sets.")
+      .def_property_readonly(
+          "controlled", [](const Ready& p) { return p.controlled(); }, "Names of the drivers that the program sets.")
       .def_property_readonly(
           "groups",
           [](const Ready& p) {
             std::vector<std::string> out;
-            for (std::size_t i = 0; i < p.structure->groups.size(); ++i) {
-              out.push_back(p.structure->name_of(Place::group(static_cast<std::int32_t>(i))));
-            }
+            for (Group& g : p.structure().groups()) out.push_back(std::move(g.name));
             return out;
           },
           "Names of the structural groups, in the order in which they are solved.")
@@ -63,7 +63,7 @@ void add_plans(py::module_& m) {
           "strategies",
           [](const Ready& p) {
             std::vector<std::string> out;
-            for (const Plan::Choice& c : p.plan.choices) out.push_back(to_string(p.plan.strategy(c)));
+            for (const Plan::Choice& c : p.plan().choices) out.push_back(to_string(p.plan().strategy(c)));
             return out;
           },
           "The strategy of each class of groups.")
@@ -71,26 +71,26 @@ void add_plans(py::module_& m) {
           "reasons",
           [](const Ready& p) {
             std::vector<std::string> out;
-            for (const Plan::Choice& c : p.plan.choices) out.push_back(c.reason);
+            for (const Plan::Choice& c : p.plan().choices) out.push_back(c.reason);
             return out;
           },
           "Why the plan chose each of them.")
       .def_property_readonly(
-          "threads", [](const Ready& p) { return p.plan.run.threads; }, "P, threads of the plan.")
+          "threads", [](const Ready& p) { return p.plan().run.threads; }, "P, threads of the plan.")
       .def_property_readonly(
-          "lanes", [](const Ready& p) { return p.plan.lanes; }, "W, mechanisms of an ensemble that run side by side.")
+          "lanes", [](const Ready& p) { return p.plan().lanes; }, "W, mechanisms of an ensemble that run side by side.")
       .def_property_readonly(
-          "expected_seconds", [](const Ready& p) { return p.plan.expected_seconds; },
+          "expected_seconds", [](const Ready& p) { return p.plan().expected_seconds; },
           "Expected time of one step, s; 0: not predicted.")
       .def(
           "candidates",
           [](const Ready& p, std::size_t group_class) {
-            if (group_class >= p.plan.choices.size()) {
-              throw Error(Error::Kind::input, "there are " + plural(p.plan.choices.size(), "class") +
+            if (group_class >= p.plan().choices.size()) {
+              throw Error(Error::Kind::input, "there are " + plural(p.plan().choices.size(), "class") +
                                                   " of groups, and no number " + std::to_string(group_class));
             }
             const py::gil_scoped_release release;
-            return candidates(p.plan.choices[group_class].shape);
+            return candidates(p.plan().choices[group_class].shape);
           },
           py::arg("group_class") = 0,
           "All strategies for one class of groups, with their expected times: a list of Candidate, the fastest first.")

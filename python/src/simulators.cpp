@@ -50,8 +50,8 @@ py::object object_of(const Status& status) {
 }
 
 Session::Session(const Ready& prepared, const StepSettings& settings)
-    : Exclusive(with_threads(prepared.plan, [&] { return std::make_unique<Simulator>(prepared, settings); }),
-                "simulator", prepared.name),
+    : Exclusive(with_threads(prepared.plan(), [&] { return std::make_unique<Simulator>(prepared, settings); }),
+                "simulator", prepared.name()),
       modes(prepared.modes) {}
 
 void add_simulators(py::module_& m) {
@@ -101,7 +101,7 @@ Arrays show the memory of the trajectory: nothing is copied, and they cannot be 
           "status", [](const Motions& t) { return object_of(t.report.status); },
           "Status of the run: 'ok', 'inaccurate', or the reason why the motion ended early.")
       .def_property_readonly(
-          "units", [](const Motions& t) { return units_of(*t.of->structure, t.columns()); },
+          "units", [](const Motions& t) { return units_of(t.of->structure(), t.columns()); },
           "Units of the columns: a dict of names and texts such as 'm/s'; '': none.")
       .def("__repr__", [](const Motions& t) {
         std::string out = "Trajectory(" + plural(t.rows(), "row") + " of " + plural(t.columns().size(), "column");
@@ -193,7 +193,7 @@ more. seconds: time limit of one step, s; 0: none. pin_to: processors for the th
             const Session::Use s = session.use();
             const std::vector<double> at = times ? numbers(*times) : std::vector<double>();
             bool interrupted = false;
-            Trajectory rows = run_watched(progress, interrupted, [&](const Simulator::Observer& observer) {
+            Trajectory rows = run_watched(progress, interrupted, [&](const Observer& observer) {
               return times ? s->run(at, observer) : s->run(observer);
             });
             py::object out = py::cast(Motions{
@@ -231,9 +231,9 @@ meanwhile. Ctrl-C raises Interrupted, whose `result` has the rows that were done
       .def(
           "examine",
           [](const Session& session) {
-            std::shared_ptr<const Structure> structure;
+            std::vector<Group> groups;
             const std::vector<GroupFigures> figures = session.call([&](Simulator& s) {
-              structure = s.prepared().structure;
+              groups = s.prepared().structure().groups();
               return s.examine();
             });
             py::dict out;
@@ -242,7 +242,7 @@ meanwhile. Ctrl-C raises Interrupted, whose `result` has the rows that were done
               of["residual"] = f.residual;
               of["condition"] = f.condition;
               of["estimated_error"] = f.estimated_error;
-              out[py::str(structure->name_of(Place::group(f.group)))] = of;
+              out[py::str(groups[static_cast<std::size_t>(f.group)].name)] = of;
             }
             return out;
           },
@@ -257,7 +257,7 @@ meanwhile. Ctrl-C raises Interrupted, whose `result` has the rows that were done
         if (*session.state() != 0) return "Simulator(" + std::string(session.state()) + ")";
         const Session::Use s = session.use();
         return py::str("Simulator('{}', time={:g} s, {})")
-            .format(s->prepared().name, s->time(), plural(s->columns().size(), "output"))
+            .format(s->prepared().name(), s->time(), plural(s->columns().size(), "output"))
             .cast<std::string>();
       });
 }

@@ -122,7 +122,7 @@ py::object run(const Scene& scene, const py::dict& vary, std::int64_t samples, c
   const std::int64_t of = last - first;
   bool interrupted = false;
   std::optional<Table> table;
-  run_watched(progress, interrupted, [&](const Simulator::Observer& observer) {
+  run_watched(progress, interrupted, [&](const Observer& observer) {
     // Threads of the plan ask whether to stop; only this one may look for Ctrl-C.
     std::atomic<bool> stopped = false;
     const std::thread::id own = std::this_thread::get_id();

@@ -119,7 +119,7 @@ TEST(C, ControlledStepsAreThoseOfCpp) {
   EXPECT_EQ(report.estimated_error[2], same.report().error.estimated_acceleration.value());
 
   EXPECT_EQ(assur_simulator_restore(simulator.get(), state), ASSUR_OK);
-  EXPECT_NEAR(assur_simulator_time(simulator.get()), 20 * same.prepared().time.step, 1e-15);
+  EXPECT_NEAR(assur_simulator_time(simulator.get()), 20 * same.prepared().time().step, 1e-15);
   EXPECT_EQ(assur_simulator_save(simulator.get(), &state), ASSUR_OK);  // to the same one
   assur_state_free(state);
   EXPECT_EQ(assur_simulator_reset(simulator.get()), ASSUR_OK);

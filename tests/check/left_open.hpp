@@ -12,6 +12,7 @@
 #include "equations/system.hpp"
 #include "index.hpp"
 #include "outputs/output_program.hpp"
+#include "structure/grouped_system.hpp"
 
 namespace assur::test {
 
@@ -23,12 +24,12 @@ namespace assur::test {
 class LeftOpen {
  public:
   // `structure` must have no eliminated unknowns and no callbacks.
-  explicit LeftOpen(const Structure& structure)
+  explicit LeftOpen(const GroupedSystem& structure)
       : system_(*structure.system),
         outputs_(system_, every_coordinate(system_)),
         columns_(column_names(system_).size()) {
     column_.assign(system_.coordinates.size(), -1);
-    for (const Group& g : structure.groups) {
+    for (const SolvedGroup& g : structure.groups) {
       for (const std::int32_t u : g.unknowns) {
         column_[idx(u)] = static_cast<Eigen::Index>(unknowns_.size());
         unknowns_.push_back(u);

@@ -16,10 +16,12 @@
 #include "check/left_open.hpp"
 #include "check/random_mechanism.hpp"
 #include "numbers.hpp"
+#include "plan/preparation.hpp"
 #include "simulation/any_mechanism.hpp"
 #include "simulation/conditions.hpp"
 #include "simulation/random_count.hpp"
 #include "simulation/random_strategy.hpp"
+#include "simulation/simulator_access.hpp"
 #include "source_dir.hpp"
 
 namespace assur {
@@ -152,11 +154,11 @@ struct Plain {
 // Computes the error bounds of each row.
 void look_at_postures(Plain& plain) {
   Simulator s = test::simulator(plain.scene, "groups/eigen");
-  const Structure& structure = *s.prepared().structure;
+  const GroupedSystem& structure = *preparation(s.prepared()).structure;
   const test::LeftOpen left_open(structure);
   for (const double t : plain.run.times) {
     if (!s.step(t).arrived()) break;
-    const std::vector<double> posture = posture_of(s);
+    const std::vector<double> posture = SimulatorAccess::posture(s);
     plain.singular = plain.singular || !(test::both_of(structure, posture).own < kSingular);
     if (plain.singular) break;
     plain.left_open.push_back(left_open.at(t, posture));

@@ -13,10 +13,10 @@
 #include <vector>
 
 #include "assur/plan.hpp"
-#include "assur/structure.hpp"
 #include "check/plain_motion.hpp"
 #include "equations/system.hpp"
 #include "simulation/random_count.hpp"
+#include "structure/grouped_system.hpp"
 
 namespace assur::check {
 namespace {
@@ -236,7 +236,7 @@ struct Row {
   std::vector<double> values;
 };
 
-Row row_of(const Structure& s) {
+Row row_of(const GroupedSystem& s) {
   Row row;
   for (const Item& item : s.system->items) {
     if (item.hidden) continue;
@@ -267,7 +267,7 @@ struct Outcome {
 };
 
 Outcome compare(Away away) {
-  const Structure drawn = analyze(away.at_drawing);
+  const GroupedSystem drawn = group_equations(away.at_drawing);
   if (!drawn.cannot_assemble.empty() || !drawn.undetermined.empty()) return {"skipped", drawn.cannot_assemble};
   if (away.written.empty()) away.written = {written_angle(away.at_drawing)};
   const auto laws = [&](Real s) {
@@ -288,7 +288,7 @@ Outcome compare(Away away) {
     const Real came = plain.advance([&](Real s) { return laws((Real(k) + s) / kParts); });
     if (came < 1) share = (Real(k) + came) / kParts;
   }
-  const Structure found = analyze(away.away);
+  const GroupedSystem found = group_equations(away.away);
   const bool refused = !found.cannot_assemble.empty() || !found.undetermined.empty();
   if (refused) {
     const std::string& why = found.cannot_assemble;

@@ -8,6 +8,7 @@
 #include "check/twin.hpp"
 #include "check/yardstick.hpp"
 #include "equations/system.hpp"
+#include "plan/preparation.hpp"
 
 namespace assur::check {
 namespace {
@@ -158,14 +159,14 @@ TEST(Yardstick, LeavesOutRowsThatDoNotCount) {
   const Trajectory trajectory = simulator.run();
   const auto shifted_from = [&](double t0) {
     return [&prepared, t0](const std::string& output, double t) {
-      auto at = closed_form("n_four_bar", *prepared.scene)(output, t);
+      auto at = closed_form("n_four_bar", *prepared.scene())(output, t);
       if (t > t0) (*at)[0].value += 1e-3L;
       return at;
     };
   };
   Yardstick yardstick(prepared, known_motion(prepared, shifted_from(0.105)));
   // B1 is farthest from the origin at the start, at (1, 1).
-  const double size = std::max(1.0, prepared.structure->system->unit(1));
+  const double size = std::max(1.0, preparation(prepared).structure->system->unit(1));
   EXPECT_NEAR(yardstick.forward_error(trajectory, trajectory.rows()), 1e-3 / size, 1e-12);
   EXPECT_LE(yardstick.forward_error(trajectory, trajectory.rows(), [](std::size_t row) { return row < 11; }), 1e-14);
   EXPECT_LE(yardstick.forward_error(trajectory, 11), 1e-14);

@@ -1,11 +1,11 @@
 #include <gtest/gtest.h>
 
-#include "assur/structure.hpp"
 #include "commands/command.hpp"
 #include "equations/system.hpp"
 #include "numbers.hpp"
 #include "output/format.hpp"
 #include "source_dir.hpp"
+#include "structure/grouped_system.hpp"
 
 namespace assur {
 namespace {
@@ -144,7 +144,7 @@ TEST(Inspect, JsonHasTheStructure) {
       const auto json = outcome.json();
       StructureOptions options;
       options.formulation = formulation;
-      const Structure s = analyze(sample(scene), options);
+      const GroupedSystem s = group_equations(sample(scene), options);
       EXPECT_EQ(json["formulation"], text);
       EXPECT_EQ(json["coordinates"], s.coordinates);
       EXPECT_EQ(json["unknowns"], s.unknowns);

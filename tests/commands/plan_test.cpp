@@ -18,10 +18,10 @@ TEST(Plan, SavedPlansRun) {
   ASSERT_EQ(o.status, 0) << o.err;
   std::ifstream in(file);
   const Prepared prepared = load_plan(in, {.table = backends()});
-  EXPECT_EQ(prepared.name, "stewart");
-  ASSERT_EQ(prepared.plan.choices.size(), o.json()["classes"].size());
-  for (std::size_t c = 0; c < prepared.plan.choices.size(); ++c) {
-    EXPECT_EQ(o.json()["classes"][c]["strategy"], to_string(prepared.plan.strategy(prepared.plan.choices[c])));
+  EXPECT_EQ(prepared.name(), "stewart");
+  ASSERT_EQ(prepared.plan().choices.size(), o.json()["classes"].size());
+  for (std::size_t c = 0; c < prepared.plan().choices.size(); ++c) {
+    EXPECT_EQ(o.json()["classes"][c]["strategy"], to_string(prepared.plan().strategy(prepared.plan().choices[c])));
   }
   Simulator simulator(prepared);
   EXPECT_EQ(simulator.run().rows(), 1001u);

@@ -56,8 +56,8 @@ TEST(Counts, OnlyEqualPatternsHaveTheSameNumber) {
 }
 
 TEST(Counts, AClassHasTheShapeOfItsGroups) {
-  const Structure s = analyze(open_scene("stewart"));
-  const Group& leg = s.groups.back();
+  const GroupedSystem s = group_equations(open_scene("stewart"));
+  const SolvedGroup& leg = s.groups.back();
   Shape counted = shape_of(s.classes[static_cast<std::size_t>(leg.group_class)], 6);
   EXPECT_GE(counted.fill, counted.nnz);
   EXPECT_GT(counted.terms, counted.nnz);

@@ -49,9 +49,9 @@ TEST(Dispatcher, ChoosesTheFastestStrategyOfTheMachine) {
   }
   std::erase_if(other, [](const Sample& s) { return s.kernel == Kernel::pack; });
   const Scene scene = sample("rings:legs=3,n=120");
-  const Plan usual = prepare(scene, {.budget = ThreadBudget{1}, .model = model()}).plan;
+  const Plan usual = prepare(scene, {.budget = ThreadBudget{1}, .model = model()}).plan();
   const Plan strange =
-      prepare(scene, {.budget = ThreadBudget{1}, .model = std::make_shared<PerformanceModel>(other)}).plan;
+      prepare(scene, {.budget = ThreadBudget{1}, .model = std::make_shared<PerformanceModel>(other)}).plan();
   for (const Plan::Choice& c : usual.choices) EXPECT_EQ(c.solver.backend, "lanes");
   EXPECT_EQ(strange.choices.back().solver.backend, "klu");
   for (const Plan::Choice& c : strange.choices) EXPECT_NE(c.solver.backend, "lanes");
@@ -59,7 +59,7 @@ TEST(Dispatcher, ChoosesTheFastestStrategyOfTheMachine) {
 
 TEST(Dispatcher, SolvesTheLevelsOfAChainTogether) {
   const auto plan_of = [](const std::string& text, std::vector<std::string> without = {}) {
-    return prepare(sample(text), {.budget = ThreadBudget{1}, .model = model(), .without = std::move(without)}).plan;
+    return prepare(sample(text), {.budget = ThreadBudget{1}, .model = model(), .without = std::move(without)}).plan();
   };
   const Plan chain = plan_of("four_bar:100");
   EXPECT_TRUE(chain.run.together);
@@ -75,7 +75,7 @@ Plan plan_of_chain(std::array<double, 3> seconds) {
   const Scene scene = sample("four_bar:100");
   std::mt19937_64 random(1);
   std::vector<Sample> known = samples();
-  Sample alone = sample_of(Kernel::pack, class_shapes(analyze(scene))[0], solver("lanes"), 0, random);
+  Sample alone = sample_of(Kernel::pack, class_shapes(group_equations(scene))[0], solver("lanes"), 0, random);
   alone.seconds = 50e-9;
   known.push_back(alone);
   for (std::size_t i = 0; i < seconds.size(); ++i) {
@@ -85,7 +85,7 @@ Plan plan_of_chain(std::array<double, 3> seconds) {
     s.seconds = seconds[i];
     known.push_back(s);
   }
-  return prepare(scene, {.budget = ThreadBudget{1}, .model = std::make_shared<PerformanceModel>(known)}).plan;
+  return prepare(scene, {.budget = ThreadBudget{1}, .model = std::make_shared<PerformanceModel>(known)}).plan();
 }
 
 TEST(Dispatcher, SolvesLevelsTogetherWithTheMeasuredLanes) {
@@ -115,7 +115,7 @@ TEST(Dispatcher, SolvesLevelsOneByOneIfThatWasMeasuredAsFaster) {
 
 TEST(Dispatcher, LeavesOutExcludedBackends) {
   const Scene scene = sample("stewart");
-  const Plan plan = prepare(scene, {.budget = ThreadBudget{2}, .model = model(), .without = {"lanes"}}).plan;
+  const Plan plan = prepare(scene, {.budget = ThreadBudget{2}, .model = model(), .without = {"lanes"}}).plan();
   for (const Plan::Choice& c : plan.choices) EXPECT_NE(c.solver.backend, "lanes");
   EXPECT_THROW((void)prepare(scene, {.model = model(), .without = {"lane"}}), Error);
   std::vector<std::string> all;
@@ -145,7 +145,7 @@ TEST(Dispatcher, SkipsAnImpossibleFormulation) {
   const Scene scene = b.add(DeclaredGroup{"PR", {"P", "R"}}).time(0, 0.1, 0.01).build();
   EXPECT_THROW((void)prepare(scene, {.strategy = "groups/eigen"}), Error);
   const Prepared p = prepare(scene, {.budget = ThreadBudget{1}, .model = model()});
-  EXPECT_NE(p.plan.run.formulation, Formulation::groups);
+  EXPECT_NE(p.plan().run.formulation, Formulation::groups);
   Simulator s(p);
   EXPECT_EQ(s.run().rows(), 11u);
 }
@@ -153,7 +153,7 @@ TEST(Dispatcher, SkipsAnImpossibleFormulation) {
 TEST(Dispatcher, NeverTakesMoreThreadsThanTheBudget) {
   for (const char* scene : {"stewart:platforms=64", "rings:legs=5,n=240", "four_bar:40"}) {
     for (const std::int32_t budget : {1, 2, 3, 5, 16}) {
-      const Plan plan = prepare(sample(scene), {.budget = ThreadBudget{budget}, .model = model()}).plan;
+      const Plan plan = prepare(sample(scene), {.budget = ThreadBudget{budget}, .model = model()}).plan();
       std::int32_t most_q = 1;
       for (const Plan::Choice& c : plan.choices) {
         EXPECT_LE(c.solver.threads, budget);
@@ -168,14 +168,15 @@ TEST(Dispatcher, NeverTakesMoreThreadsThanTheBudget) {
 TEST(Dispatcher, SharesALevelOnlyIfItGains) {
   // The legs of a large mechanism are worth two threads; a single group on a level, or a small mechanism, is not.
   const Prepared many = prepare(sample("rings:legs=64,n=120"), {.budget = ThreadBudget{2}, .model = model()});
-  ASSERT_EQ(many.plan.run.threads, 2);
-  for (const Group& g : many.structure->groups) {
-    const auto on = std::count_if(many.structure->groups.begin(), many.structure->groups.end(),
-                                  [&](const Group& other) { return other.level == g.level; });
-    EXPECT_EQ(many.plan.level_threads[static_cast<std::size_t>(g.level)], on > 1 ? 2 : 1) << g.name;
+  ASSERT_EQ(many.plan().run.threads, 2);
+  const std::vector<Group> groups = many.structure().groups();
+  for (const Group& g : groups) {
+    const auto on =
+        std::count_if(groups.begin(), groups.end(), [&](const Group& other) { return other.level == g.level; });
+    EXPECT_EQ(many.plan().level_threads[static_cast<std::size_t>(g.level)], on > 1 ? 2 : 1) << g.name;
   }
   const Prepared few = prepare(sample("stewart"), {.budget = ThreadBudget{2}, .model = model()});
-  EXPECT_EQ(few.plan.run.threads, 1);
+  EXPECT_EQ(few.plan().run.threads, 1);
 }
 
 TEST(Dispatcher, UsesOnlyMeasuredNumbersOfThreads) {
@@ -186,7 +187,7 @@ TEST(Dispatcher, UsesOnlyMeasuredNumbersOfThreads) {
     return prepare(scene, {.budget = ThreadBudget{threads},
                            .mode = mode,
                            .model = std::make_shared<PerformanceModel>(std::move(known))})
-        .plan;
+        .plan();
   };
   const Plan plan = plan_by(alone, 2);
   EXPECT_EQ(plan.run.threads, 1);
@@ -209,7 +210,7 @@ TEST(Dispatcher, SharesALevelForItsOutputs) {
   slow.push_back(handover);
   const auto known = std::make_shared<PerformanceModel>(slow);
   const auto shared = [&](const Scene& scene) {
-    const Plan plan = prepare(scene, {.budget = ThreadBudget{2}, .model = known}).plan;
+    const Plan plan = prepare(scene, {.budget = ThreadBudget{2}, .model = known}).plan();
     return std::count_if(plan.level_threads.begin(), plan.level_threads.end(), [](auto p) { return p > 1; });
   };
   EXPECT_EQ(shared(sample("stewart:platforms=100")), 1);
@@ -220,11 +221,11 @@ TEST(Dispatcher, DecidesTheSameFromTheSameSamples) {
   for (const char* scene : {"stewart", "rings:legs=5,n=78", "andrews", "four_bar:23"}) {
     std::vector<Sample> known = samples();
     const auto first = text_of(
-        prepare(sample(scene), {.budget = ThreadBudget{2}, .model = std::make_shared<PerformanceModel>(known)}).plan);
+        prepare(sample(scene), {.budget = ThreadBudget{2}, .model = std::make_shared<PerformanceModel>(known)}).plan());
     std::reverse(known.begin(), known.end());
     EXPECT_EQ(
         text_of(prepare(sample(scene), {.budget = ThreadBudget{2}, .model = std::make_shared<PerformanceModel>(known)})
-                    .plan),
+                    .plan()),
         first);
   }
 }
@@ -234,7 +235,7 @@ TEST(Dispatcher, TuningAgainChangesNoBackend) {
   for (const char* scene : {"stewart", "rings:legs=5,n=78", "andrews", "four_bar:23"}) {
     std::vector<std::string> first;
     for (std::uint64_t seed = 1; seed <= 10; ++seed) {
-      const Plan plan = prepare(sample(scene), {.budget = ThreadBudget{2}, .model = model(0.02, seed)}).plan;
+      const Plan plan = prepare(sample(scene), {.budget = ThreadBudget{2}, .model = model(0.02, seed)}).plan();
       std::vector<std::string> chosen;
       for (const Plan::Choice& c : plan.choices) chosen.push_back(c.solver.backend);
       if (seed == 1) first = chosen;
@@ -277,7 +278,7 @@ TEST(Dispatcher, LosesNoMoreThanTheModelsUncertainty) {
 
 TEST(Dispatcher, FillsLanesWithMechanismsInThroughput) {
   const Plan plan =
-      prepare(sample("stewart"), {.budget = ThreadBudget{3}, .mode = Mode::throughput, .model = model()}).plan;
+      prepare(sample("stewart"), {.budget = ThreadBudget{3}, .mode = Mode::throughput, .model = model()}).plan();
   EXPECT_EQ(plan.run.threads, 3);
   EXPECT_GE(plan.lanes, 8);
   for (const Plan::Choice& c : plan.choices) EXPECT_EQ(c.solver.lanes, plan.lanes);

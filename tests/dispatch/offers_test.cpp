@@ -53,12 +53,12 @@ std::string outcome(const Scene& scene, const PrepareOptions& options) {
 // Text of each candidate for a class of the plan, and why it cannot run.
 std::map<std::string, std::string> offered(const Prepared& prepared, const PrepareOptions& options) {
   std::map<std::string, std::string> all;
-  for (const Plan::Choice& choice : prepared.plan.choices) {
+  for (const Plan::Choice& choice : prepared.plan().choices) {
     for (Candidate& c : candidates(choice.shape, {.budget = options.budget, .without = options.without})) {
-      c.strategy.run.formulation = prepared.plan.run.formulation;
+      c.strategy.run.formulation = prepared.plan().run.formulation;
       all[to_string(c.strategy)] = c.why_not;
     }
-    all[to_string(prepared.plan.strategy(choice))] = "";
+    all[to_string(prepared.plan().strategy(choice))] = "";
   }
   return all;
 }
@@ -118,8 +118,8 @@ TEST(Offers, LeaveOutIdleThreads) {
   for (const Backend& backend : backends()) {
     if (!backend.takes_turns || !backend.why_not({}, {}).empty()) continue;
     const Prepared prepared = prepare(sample("stewart"), {.budget = kBudget, .without = all_but(backend.id)});
-    EXPECT_EQ(prepared.plan.run.threads, 1);
-    for (const Candidate& c : candidates(prepared.plan.choices[0].shape, {.budget = kBudget})) {
+    EXPECT_EQ(prepared.plan().run.threads, 1);
+    for (const Candidate& c : candidates(prepared.plan().choices[0].shape, {.budget = kBudget})) {
       EXPECT_FALSE(c.strategy.solver.backend == backend.id && c.strategy.run.threads > 1) << to_string(c.strategy);
     }
   }

@@ -35,16 +35,16 @@ TEST(Throughput, ChunksAreLongEnoughAndLeaveNoLaneIdle) {
 
 TEST(Throughput, AutoFillsLanesAndTheWholeBudget) {
   const Prepared prepared = prepare(sample("stewart"), {.budget = ThreadBudget{3}, .mode = Mode::throughput});
-  EXPECT_EQ(prepared.plan.run.threads, 3);
-  EXPECT_EQ(prepared.plan.lanes, kThroughputLanes);
-  EXPECT_EQ(prepared.plan.run.chunks, chunks_for(prepared.plan.lanes, 3, prepared.scene->time().steps()));
+  EXPECT_EQ(prepared.plan().run.threads, 3);
+  EXPECT_EQ(prepared.plan().lanes, kThroughputLanes);
+  EXPECT_EQ(prepared.plan().run.chunks, chunks_for(prepared.plan().lanes, 3, prepared.scene()->time().steps()));
   const Prepared of_the_machine = prepare(sample("stewart"), {.mode = Mode::throughput});
-  EXPECT_EQ(of_the_machine.plan.run.threads, this_machine().budget().threads);
+  EXPECT_EQ(of_the_machine.plan().run.threads, this_machine().budget().threads);
 }
 
 TEST(Throughput, KeepsAForcedStrategy) {
   const auto plan = [](const char* strategy) {
-    return prepare(sample("stewart"), {.strategy = strategy, .mode = Mode::throughput}).plan;
+    return prepare(sample("stewart"), {.strategy = strategy, .mode = Mode::throughput}).plan();
   };
   EXPECT_EQ(plan("groups/eigen:4").run.chunks, 8);
   EXPECT_EQ(plan("groups/eigen:4").run.threads, 1);
@@ -54,8 +54,8 @@ TEST(Throughput, KeepsAForcedStrategy) {
 }
 
 TEST(Throughput, LatencyHasNoChunks) {
-  EXPECT_EQ(prepare(sample("stewart")).plan.run.chunks, 1);
-  EXPECT_EQ(prepare(sample("stewart"), {.strategy = "groups/eigen+chunks=3"}).plan.run.chunks, 3);
+  EXPECT_EQ(prepare(sample("stewart")).plan().run.chunks, 1);
+  EXPECT_EQ(prepare(sample("stewart"), {.strategy = "groups/eigen+chunks=3"}).plan().run.chunks, 3);
 }
 
 TEST(Throughput, ABudgetOfNoThreadsIsRefused) {

@@ -109,7 +109,7 @@ Scene racks() {
 }
 
 // What an evaluator gives at random postures near the start, with random rates and changes.
-std::vector<std::vector<double>> results(const Structure& s, const Group& g, const GroupClass& c) {
+std::vector<std::vector<double>> results(const GroupedSystem& s, const SolvedGroup& g, const GroupClass& c) {
   constexpr std::size_t w = 4;
   const auto evaluator = make_evaluator(*s.system, c, w);
   std::mt19937_64 random(7);
@@ -145,9 +145,9 @@ constexpr std::size_t kPhi = 0, kScale = 2, kRounding = 4;  // among them
 
 TEST(GearRows, AreTheFunctionsOfGears) {
   for (const Scene& scene : {read_scene(ASSUR_SOURCE_DIR "/scenes/geared_five_bar.json"), bevel(), rack(), racks()}) {
-    const Structure s = look::structure(scene, Formulation::groups);
+    const GroupedSystem s = look::structure(scene, Formulation::groups);
     bool any = false;
-    for (const Group& g : s.groups) {
+    for (const SolvedGroup& g : s.groups) {
       const GroupClass& c = look::class_of(s, g);
       if (c.gears.empty()) continue;
       any = true;
@@ -195,9 +195,9 @@ TEST(GearRows, ShareTheirClass) {
     b.constrain("gear" + std::to_string(k), Gear{"J0.angle", joint + ".angle", k == 4 ? 3.0 : -2.0});
   }
   b.drive("motor", DrivenCoordinate{"J0.angle", turning(1)}).time(0, 1, 0.1);
-  const Structure s = look::structure(b.build(), Formulation::irreducible);
+  const GroupedSystem s = look::structure(b.build(), Formulation::irreducible);
   std::vector<std::int32_t> of;
-  for (const Group& g : s.groups) {
+  for (const SolvedGroup& g : s.groups) {
     if (!look::class_of(s, g).gears.empty()) of.push_back(g.group_class);
   }
   std::sort(of.begin(), of.end());

@@ -194,7 +194,7 @@ double sum_of_terms(const Lane& lane, Index equation, const std::vector<double>&
 
 class Pack {
  public:
-  Pack(const Structure& structure, const Group& group, int lanes)
+  Pack(const GroupedSystem& structure, const SolvedGroup& group, int lanes)
       : structure_(structure),
         group_(group),
         class_(look::class_of(structure, group)),
@@ -336,8 +336,8 @@ class Pack {
     return residual<Quad>(lane.system, equation, q);
   }
 
-  const Structure& structure_;
-  const Group& group_;
+  const GroupedSystem& structure_;
+  const SolvedGroup& group_;
   const GroupClass& class_;
   std::unique_ptr<Evaluator> evaluator_;
   std::size_t w_;
@@ -347,9 +347,9 @@ class Pack {
 
 TEST_P(EveryKind, ProgramAgreesInEveryLane) {
   for (const Formulation f : {global, groups, irreducible}) {
-    const Structure s = look::structure(kind().scene, f);
+    const GroupedSystem s = look::structure(kind().scene, f);
     ASSERT_EQ(s.cannot_assemble, "");
-    for (const Group& g : s.groups) {
+    for (const SolvedGroup& g : s.groups) {
       for (const int lanes : {1, 2, 4, 8, 16}) Pack(s, g, lanes).check();
     }
   }

@@ -36,9 +36,9 @@ Scene with_callback(double length = 1) {
 
 TEST(ProgramCallback, IsEvaluatedInSiUnitsInEveryLane) {
   for (const double length : {1.0, 1e-3, 4e3}) {
-    const Structure s = structure(with_callback(length), irreducible);
+    const GroupedSystem s = structure(with_callback(length), irreducible);
     ASSERT_EQ(s.cannot_assemble, "");
-    const Group& g = look::group(s, "P");
+    const SolvedGroup& g = look::group(s, "P");
     const GroupClass& c = look::class_of(s, g);
     EXPECT_FALSE(c.quadratic());
     const double unit = s.system->unit(1);
@@ -99,10 +99,10 @@ TEST(ProgramCallback, EvaluatesPartOfItsRows) {
   b.fixed_point("A", {0, 0, 0}).point("C", {2, 0, 0}).point("P", {1.2, 0.9, 0});
   b.constrain("rod", Distance{"C", "P", {}}).constrain("twice", twice);
   b.drive("motor", PointAngle{"A", "C", "", Law::polynomial({0, 0.25})}).time(0, 1, 0.125);
-  const Structure s = structure(b.build(), groups);
+  const GroupedSystem s = structure(b.build(), groups);
   ASSERT_EQ(s.redundant.size(), 1u);
   ASSERT_EQ(s.groups.size(), 1u);
-  const Group& g = s.groups[0];
+  const SolvedGroup& g = s.groups[0];
   const GroupClass& c = look::class_of(s, g);
   const auto evaluator = make_evaluator(*s.system, c, 1);
   std::vector<double> constants, k(c.coefficients.size()), inputs, unknowns;
@@ -138,8 +138,8 @@ TEST(Lipschitz, BoundsACircle) {
   b.fixed_point("A", {0, 0, 0}).point("C", {2, 0, 0}).point("P", {1.2, 0.9, 0});
   b.constrain("PA", Distance{"P", "A", {}}).constrain("PC", Distance{"P", "C", {}});
   b.drive("motor", PointAngle{"A", "C", "", Law::polynomial({0, 1})}).time(0, 1, 0.1);
-  const Structure s = structure(b.build(), groups);
-  const Group& g = look::group(s, "P");
+  const GroupedSystem s = structure(b.build(), groups);
+  const SolvedGroup& g = look::group(s, "P");
   std::vector<double> constants, l(2);
   for (const Index i : g.constants) constants.push_back(s.system->constants[idx(i)]);
   const GroupClass& c = look::class_of(s, g);
@@ -156,8 +156,8 @@ TEST(Lipschitz, BoundsTheJacobian) {
   std::uniform_real_distribution<double> unit(-1, 1);
   for (const char* name : {"stewart", "andrews", "slider_crank", "rings:legs=1,n=12"}) {
     for (const Formulation f : {global, groups, irreducible}) {
-      const Structure s = structure(sample(name), f);
-      for (const Group& g : s.groups) {
+      const GroupedSystem s = structure(sample(name), f);
+      for (const SolvedGroup& g : s.groups) {
         const GroupClass& c = look::class_of(s, g);
         std::vector<double> constants, coefficients(c.coefficients.size()), l(c.equations.size());
         for (const Index k : g.constants) constants.push_back(s.system->constants[idx(k)]);
@@ -194,8 +194,8 @@ TEST(Lipschitz, BoundsTheJacobian) {
 // All groups of a class share a program: constants are slots, so the program does not depend on the instance.
 TEST(ProgramSharing, GroupsOfAClassFillTheSameSlots) {
   for (const char* name : {"stewart", "four_bar:9", "rings:legs=3,n=18", "andrews"}) {
-    const Structure s = structure(sample(name), groups);
-    for (const Group& g : s.groups) {
+    const GroupedSystem s = structure(sample(name), groups);
+    for (const SolvedGroup& g : s.groups) {
       const GroupClass& c = look::class_of(s, g);
       EXPECT_EQ(g.unknowns.size(), idx(c.n));
       EXPECT_EQ(g.equations.size(), idx(c.n));
@@ -224,7 +224,7 @@ TEST(Coefficients, OnlySquaresAndAnglesNeverVanishTogether) {
 }
 
 TEST(ProgramSharing, LanesAreOfFiveSizes) {
-  const Structure s = structure(sample("four_bar"), groups);
+  const GroupedSystem s = structure(sample("four_bar"), groups);
   for (const int bad : {0, 3, 5, 32, -1})
     EXPECT_THROW((void)make_evaluator(*s.system, s.classes[0], bad), std::invalid_argument);
 }

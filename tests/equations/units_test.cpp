@@ -11,7 +11,7 @@ namespace {
 
 using enum Formulation;
 
-std::vector<double> coefficients(const Structure& s, const Group& g) {
+std::vector<double> coefficients(const GroupedSystem& s, const SolvedGroup& g) {
   const GroupClass& program = look::class_of(s, g);
   std::vector<double> constants, out(program.coefficients.size());
   for (const Index k : g.constants) constants.push_back(s.system->constants[static_cast<std::size_t>(k)]);
@@ -33,7 +33,7 @@ TEST_P(Units, PowersOfTwoKeepResultsBitwise) {
     EXPECT_EQ(scaled.guess, plain.guess);
     EXPECT_EQ(scaled.form_start, plain.form_start);
     for (const Formulation f : {global, groups, irreducible}) {
-      const Structure a = look::structure(scene, f), b = look::structure(other, f);
+      const GroupedSystem a = look::structure(scene, f), b = look::structure(other, f);
       EXPECT_EQ(a.start, b.start);
       EXPECT_EQ(a.system->constants, b.system->constants);
       ASSERT_EQ(a.groups.size(), b.groups.size());

@@ -15,6 +15,7 @@
 #include "executors/executors.hpp"
 #include "groups/branch.hpp"
 #include "index.hpp"
+#include "plan/preparation.hpp"
 #include "program/step_rules.hpp"
 #include "scene/shipped_files.hpp"
 #include "simulation/random_mechanisms.hpp"
@@ -27,17 +28,17 @@ constexpr std::size_t kCases = 16;
 // A class of groups with random predictions near the start, one in each case.
 struct Setting {
   // off: how far predictions are from the solution
-  Setting(const Structure& structure, std::int32_t c, test::Draw& draw, double off = 1e-5)
+  Setting(const GroupedSystem& structure, std::int32_t c, test::Draw& draw, double off = 1e-5)
       : s(structure),
         group_class(s.classes[idx(c)]),
         blocks(group_class, 1),
         reads(blocks.reads(0).begin(), blocks.reads(0).end()) {
-    std::vector<const Group*> groups;
-    for (const Group& g : s.groups) {
+    std::vector<const SolvedGroup*> groups;
+    for (const SolvedGroup& g : s.groups) {
       if (g.group_class == c) groups.push_back(&g);
     }
     for (std::size_t i = 0; i < kCases; ++i) {
-      const Group& g = *groups[i % groups.size()];
+      const SolvedGroup& g = *groups[i % groups.size()];
       Case& at = cases[i];
       std::vector<double> constants;
       for (const std::int32_t k : g.constants) constants.push_back(s.system->constants[idx(k)]);
@@ -96,7 +97,7 @@ struct Setting {
     return m;
   }
 
-  const Structure& s;
+  const GroupedSystem& s;
   const GroupClass& group_class;
   BlockConditions blocks;
   std::vector<std::int32_t> reads;
@@ -196,7 +197,7 @@ TEST(GroupStep, HasTheSameBitsForEveryExecutorAndNumberOfLanes) {
   int classes = 0, solved = 0;
   for (const auto& file : test::shipped_files()) {
     const Prepared prepared = prepare(read_scene(file), {.strategy = "irreducible/lanes"});
-    const Structure& structure = *prepared.structure;
+    const GroupedSystem& structure = *preparation(prepared).structure;
     for (std::int32_t c = 0; c < static_cast<std::int32_t>(structure.classes.size()); ++c) {
       const GroupClass& of = structure.classes[idx(c)];
       if (!has_group_step(of)) continue;
@@ -253,8 +254,8 @@ TEST(GroupStep, RefinesLinearSolutionsWhereResidualsAreLarge) {
     }
     for (const std::string of : {"P", "Q", "C"}) b.constrain("leg" + of, Distance{of, "T", std::nullopt});
     const Prepared prepared = prepare(b.time(0, 1, 0.01).build(), {.strategy = "irreducible/lanes"});
-    ASSERT_EQ(prepared.structure->classes.size(), 1U);
-    const Setting at(*prepared.structure, 0, draw, 1e-4 * apart * apart);
+    ASSERT_EQ(preparation(prepared).structure->classes.size(), 1U);
+    const Setting at(*preparation(prepared).structure, 0, draw, 1e-4 * apart * apart);
     ASSERT_TRUE(has_group_step(at.group_class));
     const GroupProgram step = group_step(at.group_class, at.reads);
     std::vector<std::vector<std::uint64_t>> expected;

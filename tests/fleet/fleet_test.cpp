@@ -65,12 +65,12 @@ TEST(Fleet, BitsDependOnTheLinkageAlone) {
   FleetOptions two;
   two.threads = 2;
   const std::vector<Kept> one_thread = run(fleet, times), two_threads = run(fleet, times, two);
-  std::vector<Kept> in_parts(fleet.size());
+  std::vector<Kept> in_parts(fleet.members());
   const auto sink = [&](std::size_t i, const LinkageMotion& m) { in_parts[i] = {m, {m.path.begin(), m.path.end()}}; };
   for (const auto& [first, last] : std::vector<std::pair<std::size_t, std::size_t>>{{150, 200}, {0, 1}, {1, 150}}) {
-    EXPECT_EQ(fleet.run(times, sink, {}, first, last).linkages, last - first);
+    EXPECT_EQ(fleet.stream(sink, times, {.first = first, .last = last}).linkages, last - first);
   }
-  for (std::size_t i = 0; i < fleet.size(); ++i) {
+  for (std::size_t i = 0; i < fleet.members(); ++i) {
     const std::string what = "linkage " + std::to_string(i);
     expect_bits(one_thread[i], two_threads[i], what);
     expect_bits(one_thread[i], in_parts[i], what);
@@ -176,7 +176,7 @@ TEST(Fleet, APathWithoutNumbersHasNoCleanStatus) {
   const Linkage linkage = {{Joint::ground(0, 0), Joint::crank(0, 1, 0, 1e300)}};
   const Kept kept = run(linkage, std::vector<double>{1e10});
   EXPECT_EQ(name(kept.motion.status.code), "not_finite");
-  const FleetReport report = Fleet({linkage}).run(std::vector<double>{1e10}, [](auto, const auto&) {});
+  const FleetReport report = Fleet({linkage}).stream([](auto, const auto&) {}, std::vector<double>{1e10});
   EXPECT_EQ(report.done, 0U);
 }
 
@@ -204,7 +204,8 @@ TEST(Fleet, LinkagesThatCannotBegin) {
   EXPECT_TRUE(apart.path.empty());
   EXPECT_EQ(run(four_bar(1, 1, 1, 3), times).motion.status.code, Code::singular) << "stretched";
   EXPECT_EQ(run(four_bar(1, 3, 1, 3), times).motion.status.code, Code::singular) << "folded";
-  const FleetReport report = Fleet({four_bar(1, 1, 1, 5), four_bar(1, 3, 2.5, 3)}).run(times, [](auto, const auto&) {});
+  const FleetReport report =
+      Fleet({four_bar(1, 1, 1, 5), four_bar(1, 3, 2.5, 3)}).stream([](auto, const auto&) {}, times);
   EXPECT_EQ(report.not_closed, 1U);
   EXPECT_EQ(report.done, 1U);
   EXPECT_EQ(report.linkages, 2U);
@@ -272,16 +273,17 @@ TEST(Fleet, RefusesWhatIsNotALinkage) {
 
   const Fleet fleet({four_bar(1, 3, 2.5, 3)});
   const auto sink = [](std::size_t, const LinkageMotion&) {};
-  EXPECT_NE(refusal([&] { (void)fleet.run(std::vector<double>{}, sink); }), "nothing was refused");
-  EXPECT_NE(refusal([&] { (void)fleet.run(std::vector<double>{1, 0}, sink); }), "nothing was refused");
-  EXPECT_NE(refusal([&] { (void)fleet.run(std::vector<double>{0, kNan}, sink); }), "nothing was refused");
-  EXPECT_NE(refusal([&] { (void)fleet.run(std::vector<double>{0}, sink, {}, 1, 2); }), "nothing was refused");
+  EXPECT_NE(refusal([&] { (void)fleet.stream(sink, std::vector<double>{}); }), "nothing was refused");
+  EXPECT_NE(refusal([&] { (void)fleet.stream(sink, std::vector<double>{1, 0}); }), "nothing was refused");
+  EXPECT_NE(refusal([&] { (void)fleet.stream(sink, std::vector<double>{0, kNan}); }), "nothing was refused");
+  EXPECT_NE(refusal([&] { (void)fleet.stream(sink, std::vector<double>{0}, {.first = 1, .last = 2}); }),
+            "nothing was refused");
   FleetOptions exact;
   FleetOptions none;
   none.threads = 0;
-  EXPECT_NE(refusal([&] { (void)fleet.run(std::vector<double>{0}, sink, none); }), "nothing was refused");
+  EXPECT_NE(refusal([&] { (void)fleet.stream(sink, std::vector<double>{0}, none); }), "nothing was refused");
   exact.accuracy = 0;
-  EXPECT_NE(refusal([&] { (void)fleet.run(std::vector<double>{0}, sink, exact); }), "nothing was refused");
+  EXPECT_NE(refusal([&] { (void)fleet.stream(sink, std::vector<double>{0}, exact); }), "nothing was refused");
 }
 
 TEST(Fleet, ErrorsOfTheCallerPropagate) {
@@ -294,13 +296,12 @@ TEST(Fleet, ErrorsOfTheCallerPropagate) {
     if (i == 500) throw Trouble{};
     to = four_bar(1, 3, 2.5, 3);
   });
-  EXPECT_THROW((void)bad.run(times, ignore, two), Trouble);
+  EXPECT_THROW((void)bad.stream(ignore, times, two), Trouble);
   const Fleet fleet(1000, random_into);
-  EXPECT_THROW((void)fleet.run(
-                   times, [](std::size_t, const LinkageMotion&) { throw Trouble{}; }, two),
-               Trouble);
-  two.stop = [] { return true; };
-  const FleetReport report = fleet.run(times, ignore, two);
+  const auto fail = [](std::size_t, const LinkageMotion&) { throw Trouble{}; };
+  EXPECT_THROW((void)fleet.stream(fail, times, two), Trouble);
+  two.observer = [](auto, auto) { return true; };
+  const FleetReport report = fleet.stream(ignore, times, two);
   EXPECT_TRUE(report.interrupted);
   EXPECT_TRUE(std::isnan(fleet.summarize(times, two).members[3].x.minimum));
   EXPECT_EQ(report.linkages, 0U);
@@ -330,7 +331,7 @@ TEST(Fleet, TheSteadyStateAllocatesNothing) {
   const std::vector<double> times = times_of(one_turn(200));
   const auto allocated = [&](std::size_t linkages) {
     const std::int64_t before = allocations();
-    (void)Fleet(linkages, random_into).run(times, [](std::size_t, const LinkageMotion&) {});
+    (void)Fleet(linkages, random_into).stream([](std::size_t, const LinkageMotion&) {}, times);
     return allocations() - before;
   };
   (void)allocated(300);

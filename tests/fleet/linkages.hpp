@@ -37,13 +37,11 @@ struct Kept {
 };
 
 inline std::vector<Kept> run(const Fleet& fleet, const std::vector<double>& times, const FleetOptions& options = {}) {
-  std::vector<Kept> out(fleet.size());
-  (void)fleet.run(
-      times,
-      [&](std::size_t i, const LinkageMotion& motion) {
-        out[i] = {motion, {motion.path.begin(), motion.path.end()}};
-      },
-      options);
+  std::vector<Kept> out(fleet.members());
+  const auto keep = [&](std::size_t i, const LinkageMotion& motion) {
+    out[i] = {motion, {motion.path.begin(), motion.path.end()}};
+  };
+  (void)fleet.stream(keep, times, options);
   return out;
 }
 inline Kept run(const Linkage& linkage, const std::vector<double>& times) { return run(Fleet({linkage}), times)[0]; }

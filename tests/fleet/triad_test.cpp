@@ -82,7 +82,7 @@ TEST(FleetTriads, BitsDependOnTheLinkageAlone) {
   FleetOptions two;
   two.threads = 2;
   const std::vector<Kept> one_thread = run(fleet, times), two_threads = run(fleet, times, two);
-  for (std::size_t i = 0; i < fleet.size(); ++i) {
+  for (std::size_t i = 0; i < fleet.members(); ++i) {
     EXPECT_EQ(one_thread[i].path, two_threads[i].path) << i;
     if (i % 10 == 0) {
       EXPECT_EQ(one_thread[i].path, run(with_triad(i), times).path) << i;
@@ -250,7 +250,9 @@ TEST(FleetTriads, TheSteadyStateAllocatesNothing) {
   const std::vector<Linkage> linkages = {with_triad(0), with_triad(1), with_triad(2), with_triad(3)};
   const auto allocated = [&](std::size_t count) {
     const std::int64_t before = allocations();
-    (void)Fleet(count, [&](std::size_t i, Linkage& to) { to = linkages[i % 4]; }).run(times, [](auto, const auto&) {});
+    (void)Fleet(count, [&](std::size_t i, Linkage& to) {
+      to = linkages[i % 4];
+    }).stream([](auto, const auto&) {}, times);
     return allocations() - before;
   };
   (void)allocated(200);

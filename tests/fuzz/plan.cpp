@@ -25,7 +25,7 @@ bool take(std::string text) {
   return accepts([&] {
     std::istringstream in(std::move(text));
     Prepared prepared = load_plan(in, {.budget = ThreadBudget{1}});
-    const double step = prepared.time.step;
+    const double step = prepared.time().step;
     Simulator simulator(std::move(prepared));
     const double t = simulator.time();
     (void)simulator.run(std::vector<double>{t, t + step, t + 2 * step, t + 3 * step});

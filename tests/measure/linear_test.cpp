@@ -117,7 +117,7 @@ TEST(Matrices, AreRegularForEveryPattern) {
 }
 
 TEST(Matrices, JacobiansEqualThoseOfTheGroups) {
-  const Structure s = analyze(sample("stewart"));
+  const GroupedSystem s = group_equations(sample("stewart"));
   const std::int32_t legs = s.groups.back().group_class;
   const Matrices m = jacobians(s, legs, 4);
   EXPECT_EQ(m.pattern.n, 15);

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "structure/grouped_system.hpp"
+
 namespace assur::measure {
 namespace {
 
@@ -12,7 +14,7 @@ class Packs : public testing::TestWithParam<const char*> {};
 
 TEST_P(Packs, ACallIsOneStepOfOnePack) {
   const Prepared p = prepared("rings:legs=10,n=20,terminal=12", GetParam());
-  const std::int32_t legs = p.structure->groups.back().group_class;
+  const std::int32_t legs = p.structure().groups().back().group_class;
   PackStep packs(p, legs);
   ASSERT_EQ(packs.packs(), static_cast<std::size_t>((10 + packs.lanes() - 1) / packs.lanes()));
   const Counters before = packs.counters();
@@ -52,7 +54,7 @@ TEST(PackStep, CountsFactorisationsOfThePolicy) {
   for (const auto& [strategy, factorizations] :
        {std::pair("groups/eigen", 2), {"groups/eigen+once", 1}, {"groups/eigen+separate", 3}}) {
     const Prepared p = prepared("stewart", strategy);
-    PackStep packs(p, p.structure->groups.back().group_class);
+    PackStep packs(p, p.structure().groups().back().group_class);
     const Counters before = packs.counters();
     ASSERT_TRUE(packs.run(6));
     EXPECT_EQ(packs.counters().factorizations - before.factorizations, 6 * factorizations) << strategy;
@@ -69,7 +71,7 @@ TEST(WholeStep, RepeatsTheGrid) {
 }
 
 TEST(Evaluation, RunsOverAllWidths) {
-  const auto structure = std::make_shared<const Structure>(analyze(sample("stewart")));
+  const auto structure = std::make_shared<const GroupedSystem>(group_equations(sample("stewart")));
   for (std::int32_t c = 0; c < static_cast<std::int32_t>(structure->classes.size()); ++c) {
     for (const int lanes : {1, 8, 16}) EXPECT_TRUE(evaluation(structure, c, lanes)->run(2));
   }

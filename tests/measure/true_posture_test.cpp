@@ -8,6 +8,8 @@
 
 #include "assur/simulator.hpp"
 #include "numbers.hpp"
+#include "plan/preparation.hpp"
+#include "simulation/simulator_access.hpp"
 
 namespace assur::measure {
 namespace {
@@ -44,7 +46,7 @@ class Figures : public testing::TestWithParam<int> {};  // iterations; 0: as man
 
 TEST_P(Figures, DescribeThePosture) {
   const Prepared prepared = prepare(sample("four_bar:loops=2,steps=20"), {"groups/eigen+predict=taylor:0"});
-  ASSERT_EQ(prepared.structure->levels, 2);  // the second level has fixed iterations
+  ASSERT_EQ(preparation(prepared).structure->levels, 2);  // the second level has fixed iterations
   Simulator simulator(prepared, {.iterations = GetParam()});
   std::optional<TruePosture> truth;
   try {
@@ -55,8 +57,8 @@ TEST_P(Figures, DescribeThePosture) {
   double residual = 0, error = 0;
   const Trajectory motion = simulator.run([&](std::int64_t, std::int64_t) {
     const std::vector<GroupFigures> all = simulator.examine();
-    const std::vector<Group>& groups = prepared.structure->groups;
-    const double wrong = truth->error(simulator.time(), posture_of(simulator), groups.back().unknowns);
+    const std::vector<SolvedGroup>& groups = preparation(prepared).structure->groups;
+    const double wrong = truth->error(simulator.time(), SimulatorAccess::posture(simulator), groups.back().unknowns);
     EXPECT_LE(all.front().residual, kSolved);
     residual = std::max(residual, all.back().residual);
     error = std::max(error, wrong);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "assur/simulator.hpp"
+#include "plan/preparation.hpp"
 
 namespace assur::pictures {
 namespace {
@@ -11,7 +12,7 @@ TEST(Quantities, HaveTheColumnsAndUnitsOfOutputs) {
   const Prepared prepared =
       prepare(sample("slider_crank").with_outputs({"rod_angle", "C.velocity", "slide.lambda", "rail", "B"}));
   const std::vector<std::string> columns = Simulator(prepared).columns();
-  const auto all = quantities(*prepared.structure);
+  const auto all = quantities(prepared.structure());
   std::vector<std::string> said;
   std::size_t next = 0;
   for (const Quantity& q : all) {
@@ -30,7 +31,7 @@ TEST(Quantities, HaveTheColumnsAndUnitsOfOutputs) {
 }
 
 TEST(Quantities, ScalarsComeFirstIfEverythingIsAnOutput) {
-  const auto all = quantities(*prepare(sample("stewart")).structure);
+  const auto all = quantities(prepare(sample("stewart")).structure());
   EXPECT_EQ(all[0].title, "handle1");
   EXPECT_EQ(all[17].output, "handle6");
   for (std::size_t i = 18; i < all.size(); ++i) EXPECT_EQ(all[i].columns.size(), 3u);

@@ -67,8 +67,8 @@ std::vector<std::string> all_of_it(const FileTree& tree) {
     const Prepared prepared = prepare(open_scene(text), options);
     const std::string plan = saved(prepared);
     found.push_back(plan);
-    found.push_back(prepared.plan.reason);
-    for (const Plan::Choice& choice : prepared.plan.choices) found.push_back(choice.reason);
+    found.push_back(prepared.plan().reason);
+    for (const Plan::Choice& choice : prepared.plan().choices) found.push_back(choice.reason);
     std::istringstream in(plan);
     Simulator simulator(load_plan(in, {backends(), ThreadBudget{3}}));
     const Trajectory motion = simulator.run();

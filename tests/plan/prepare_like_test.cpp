@@ -22,8 +22,8 @@ TEST(PrepareLike, TakesThePlanOfTheSameStructure) {
   const Prepared like = prepare(sample("slider_crank"), forced);
   const Scene other = sample("slider_crank", {{"crank_length", 0.07}, {"steps", 50}});
   const Prepared variant = prepare_like(like, other, options);
-  EXPECT_EQ(solvers(variant.plan), solvers(like.plan));
-  EXPECT_EQ(variant.time.steps(), 50);
+  EXPECT_EQ(solvers(variant.plan()), solvers(like.plan()));
+  EXPECT_EQ(variant.time().steps(), 50);
   const Trajectory a = Simulator(variant).run(), b = Simulator(prepare(other, forced)).run();
   ASSERT_EQ(a.values().size(), b.values().size());
   EXPECT_TRUE(std::equal(a.values().begin(), a.values().end(), b.values().begin()));
@@ -33,8 +33,8 @@ TEST(PrepareLike, ChoosesForAnotherStructure) {
   const PrepareOptions options{.budget = ThreadBudget{1}};
   const Prepared like = prepare(sample("slider_crank"), {.strategy = "groups/eigen", .budget = ThreadBudget{1}});
   const Prepared other = prepare_like(like, sample("four_bar:3"), options);
-  EXPECT_EQ(solvers(other.plan), solvers(prepare(sample("four_bar:3"), options).plan));
-  EXPECT_NE(solvers(other.plan), solvers(like.plan));
+  EXPECT_EQ(solvers(other.plan()), solvers(prepare(sample("four_bar:3"), options).plan()));
+  EXPECT_NE(solvers(other.plan()), solvers(like.plan()));
 }
 
 TEST(PrepareLike, RefusesWhatPrepareRefuses) {

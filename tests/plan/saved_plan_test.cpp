@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "assur/ensemble.hpp"
+#include "plan/preparation.hpp"
 #include "samples/samples.hpp"
 #include "scene/shipped_files.hpp"
 #include "simulation/random_count.hpp"
@@ -77,7 +78,7 @@ std::vector<std::string> shipped() {
 
 void expect_same_jacobians(const Prepared& a, const Prepared& b) {
   const ConstraintJacobian made = Simulator(a).constraint_jacobian(), read = Simulator(b).constraint_jacobian();
-  EXPECT_EQ(made.unknowns.empty(), a.structure->groups.empty());
+  EXPECT_EQ(made.unknowns.empty(), a.structure().groups().empty());
   EXPECT_EQ(made.equations, read.equations);
   EXPECT_EQ(made.unknowns, read.unknowns);
   EXPECT_EQ(made.column_start, read.column_start);
@@ -88,12 +89,12 @@ void expect_same_jacobians(const Prepared& a, const Prepared& b) {
 void expect_to_run_alike(const Prepared& made, const std::string& text) {
   const Prepared again = loaded(text);
   EXPECT_EQ(saved(again), text);
-  EXPECT_EQ(again.name, made.scene->name());
-  EXPECT_TRUE(again.structure->classes == made.structure->classes);
-  expect_same_plan(made.plan, again.plan);
-  Prepared original = made;
+  EXPECT_EQ(again.name(), made.scene()->name());
+  EXPECT_TRUE(preparation(again).structure->classes == preparation(made).structure->classes);
+  expect_same_plan(made.plan(), again.plan());
+  Preparation original = preparation(made);
   original.reselect = nullptr;  // a saved plan keeps its set of the redundant equations
-  expect_same_run(run(original), run(again));
+  expect_same_run(run(Preparation::shared(std::move(original))), run(again));
   expect_same_jacobians(made, again);
 }
 
@@ -213,7 +214,7 @@ TEST(SavedPlan, DoesNotReselectEquationsWithoutTheScene) {
   b.constrain("right", Distance{"C", "M", std::sqrt(2.0)});
   b.constrain("rocker", Distance{"D", "C", 1.0}).constrain("third", Distance{"E", "M", 1.0});
   const Prepared made = prepare(b.time(0, 6, 0.05).build(), {"groups/eigen"});
-  ASSERT_TRUE(made.reselect);
+  ASSERT_TRUE(preparation(made).reselect);
   const Result original = run(made), again = run(loaded(saved(made)));
   EXPECT_TRUE(original.report().status.ok());
   ASSERT_FALSE(original.report().fallbacks.empty());
@@ -282,11 +283,11 @@ TEST(SavedPlan, NamesAMissingBackend) {
 TEST(SavedPlan, UsesFewerThreadsAndReportsIt) {
   const Prepared made = prepare(shortened(sample("stewart"), 20), {"groups/eigen 3x1", {}, ThreadBudget{3}});
   const std::string text = saved(made);
-  EXPECT_EQ(loaded(text, {.budget = ThreadBudget{3}}).plan.reason, "forced");
+  EXPECT_EQ(loaded(text, {.budget = ThreadBudget{3}}).plan().reason, "forced");
   const Prepared fewer = loaded(text, {.budget = ThreadBudget{2}});
-  EXPECT_EQ(fewer.plan.run.threads, 2);
-  EXPECT_EQ(fewer.plan.choices[0].threads, 2);
-  EXPECT_NE(fewer.plan.reason.find("2 instead of 3 threads"), std::string::npos) << fewer.plan.reason;
+  EXPECT_EQ(fewer.plan().run.threads, 2);
+  EXPECT_EQ(fewer.plan().choices[0].threads, 2);
+  EXPECT_NE(fewer.plan().reason.find("2 instead of 3 threads"), std::string::npos) << fewer.plan().reason;
   test::expect_same_rows(run(made).trajectory, run(fewer).trajectory);
   EXPECT_EQ(kind_of([&] { (void)loaded(text, {.budget = ThreadBudget{0}}); }), Error::Kind::input);
 }
@@ -294,7 +295,7 @@ TEST(SavedPlan, UsesFewerThreadsAndReportsIt) {
 TEST(SavedPlan, KeepsThreadsOfTheLinearAlgebra) {
   if (!find_backend(backends(), "team").why_not({}, {2}).empty()) GTEST_SKIP() << "without team";
   const std::string text = saved(prepare(sample("stewart"), {"groups/team 2x2", {}, ThreadBudget{4}}));
-  EXPECT_EQ(loaded(text, {.table = backends(), .budget = ThreadBudget{3}}).plan.run.threads, 1);
+  EXPECT_EQ(loaded(text, {.table = backends(), .budget = ThreadBudget{3}}).plan().run.threads, 1);
   const auto load = [&] { (void)loaded(text, {.table = backends(), .budget = ThreadBudget{1}}); };
   EXPECT_EQ(kind_of(load), Error::Kind::environment);
 }
@@ -404,7 +405,7 @@ TEST(SavedPlan, SurvivesTamperedNumbers) {
         StepSettings settings;
         settings.stop = [&] { return ++substeps > 1000; };
         Simulator simulator(prepared, settings);
-        const double t = simulator.time(), step = prepared.time.step;
+        const double t = simulator.time(), step = prepared.time().step;
         (void)simulator.run(std::vector<double>{t, t + step, t + 2 * step, t + 3 * step, t + 4 * step});
       } catch (const Error&) {
         ++refused;

@@ -9,7 +9,7 @@
 namespace assur {
 namespace {
 
-std::vector<Need> needs_in(const Structure& s) {
+std::vector<Need> needs_in(const GroupedSystem& s) {
   const Needs needs = needs_of(s);
   std::vector<Need> found;
   for (int i = 0; i < kNeeds; ++i) {
@@ -38,14 +38,15 @@ SceneBuilder crank(const Law& law, bool by_function) {
 
 TEST(Needs, AreThoseOfTheScene) {
   const Law turn = Law::polynomial({0, 1}), function = Law::function([](double t) { return Motion{t, 1, 0}; });
-  EXPECT_EQ(needs_in(analyze(sample("stewart"))), std::vector<Need>{});
-  EXPECT_EQ(needs_in(analyze(crank(turn, false).build())), std::vector<Need>{});
-  EXPECT_EQ(needs_in(analyze(crank(function, false).build())), (std::vector{Need::functions_in_laws}));
-  EXPECT_EQ(needs_in(analyze(crank(turn, true).build())), (std::vector{Need::functions_in_equations, Need::proofs}));
-  EXPECT_EQ(needs_in(analyze(sample("bricard"))), (std::vector{Need::choices}));
-  EXPECT_EQ(
-      needs_in(analyze(crank(turn, false).measure("reach", MeasuredDistance{"O", "B"}).limit("reach", 0, 9).build())),
-      (std::vector{Need::limits}));
+  EXPECT_EQ(needs_in(group_equations(sample("stewart"))), std::vector<Need>{});
+  EXPECT_EQ(needs_in(group_equations(crank(turn, false).build())), std::vector<Need>{});
+  EXPECT_EQ(needs_in(group_equations(crank(function, false).build())), (std::vector{Need::functions_in_laws}));
+  EXPECT_EQ(needs_in(group_equations(crank(turn, true).build())),
+            (std::vector{Need::functions_in_equations, Need::proofs}));
+  EXPECT_EQ(needs_in(group_equations(sample("bricard"))), (std::vector{Need::choices}));
+  EXPECT_EQ(needs_in(group_equations(
+                crank(turn, false).measure("reach", MeasuredDistance{"O", "B"}).limit("reach", 0, 9).build())),
+            (std::vector{Need::limits}));
 }
 
 TEST(Needs, APathIsRefusedForTheFirstOneThatItDoesNotSupply) {

@@ -129,10 +129,10 @@ class Equations {
     using std::sin;
     const T angle = law_at(d.law);
     Vec<T> direction = {cos(angle), sin(angle), T{0}};
-    if (!d.axis.empty()) {  // the angle is zero at the guess
+    if (const auto& axis = std::get<std::string>(d.axis); !axis.empty()) {  // the angle is zero at the guess
       const Posture<T> guess = at_guess<T>(scene_);
       const Vec<T> zero = unit(guess.at(d.b) - guess.at(d.a));
-      direction = cos(angle) * zero + sin(angle) * cross(at(d.axis), zero);
+      direction = cos(angle) * zero + sin(angle) * cross(at(axis), zero);
     }
     leave(name, unit(at(d.b) - at(d.a)) - direction);
   }

@@ -9,7 +9,7 @@
 #include "assur/scene.hpp"
 #include "assur/simulator.hpp"
 #include "assur/status.hpp"
-#include "assur/structure.hpp"
+#include "structure/grouped_system.hpp"
 
 namespace assur {
 namespace {
@@ -223,7 +223,7 @@ TEST(JointFiles, AJointParallelToAFixedOneCannotMove) {
   ASSERT_EQ(scene.warnings().size(), 1u);
   EXPECT_EQ(scene.warnings()[0].where, "/joints/J");
   EXPECT_EQ(scene.warnings()[0].what, "the joint cannot move, because fixed joints connect its bodies");
-  const Structure structure = analyze(scene);
+  const GroupedSystem structure = group_equations(scene);
   EXPECT_EQ(structure.mobility, 1);
   EXPECT_EQ(structure.redundant.size(), 4u);
   Simulator simulator(prepare(scene));

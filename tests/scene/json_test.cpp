@@ -215,14 +215,14 @@ TEST(Json, ReadsDriversAndMeasuresInSpace) {
     "measures": {"m0": {"angle": ["u", "v"], "axis": "z"}, "m1": {"angle": [["A", "B"], ["A", "C"]]},
                  "m2": {"distance": ["B", "C"]}, "m3": {"coordinate": "slot.lambda"}},
     "outputs": ["m0", "m1.value", "m2.rate", "m3.acceleration", "slot.lambda", "slot.lambda.rate"])"));
-  EXPECT_EQ(as<PointAngle>(scene.drivers()[0]).axis, "z");
+  EXPECT_EQ(as<PointAngle>(scene.drivers()[0]).axis, Anchor("z"));
   EXPECT_EQ(as<RelativeAngle>(scene.drivers()[1]).e.second, "C");
-  EXPECT_EQ(as<RelativeAngle>(scene.drivers()[1]).axis, "v");
+  EXPECT_EQ(as<RelativeAngle>(scene.drivers()[1]).axis, Anchor("v"));
   EXPECT_EQ(as<DrivenDistance>(scene.drivers()[2]).b, "C");
   EXPECT_EQ(as<DrivenCoordinate>(scene.drivers()[3]).coordinate, "slot.lambda");
-  EXPECT_EQ(as<AngleBetween>(scene.measures()[0]).axis, "z");
+  EXPECT_EQ(as<AngleBetween>(scene.measures()[0]).axis, Anchor("z"));
   EXPECT_EQ(as<AngleBetween>(scene.measures()[1]).e.first, "A");
-  EXPECT_EQ(as<AngleBetween>(scene.measures()[1]).axis, "");
+  EXPECT_EQ(as<AngleBetween>(scene.measures()[1]).axis, Anchor(""));
   EXPECT_EQ(as<MeasuredDistance>(scene.measures()[2]).a, "B");
   EXPECT_EQ(as<MeasuredCoordinate>(scene.measures()[3]).coordinate, "slot.lambda");
 }

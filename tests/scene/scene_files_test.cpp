@@ -111,7 +111,8 @@ void expect_same(const OnLine& a, const OnLine& b) {
 }
 
 void expect_same(const PointAngle& a, const PointAngle& b) {
-  EXPECT_EQ(a.a + " " + a.b + " " + a.axis, b.a + " " + b.b + " " + b.axis);
+  EXPECT_EQ(a.a + " " + a.b, b.a + " " + b.b);
+  EXPECT_EQ(a.axis, b.axis);
   expect_same(a.law, b.law);
 }
 void expect_same(const DrivenCoordinate& a, const DrivenCoordinate& b) {

@@ -11,10 +11,12 @@
 #include <vector>
 
 #include "assur/saved_plan.hpp"
+#include "plan/preparation.hpp"
 #include "references/scaled.hpp"
 #include "simulation/conditions.hpp"
 #include "simulation/limited.hpp"
 #include "simulation/random_mechanisms.hpp"
+#include "simulation/simulator_access.hpp"
 #include "source_dir.hpp"
 #include "verification/reference_motion.hpp"
 
@@ -37,14 +39,14 @@ Largest expect_truth_inside(const Scene& scene, const std::string& strategy, std
   SCOPED_TRACE(scene.name() + " " + strategy);
   const Prepared prepared = prepare(scene, {strategy, {}});
   Simulator simulator(prepared);
-  Certifier certifier(prepared);
+  Certifier certifier(preparation(prepared));
   ReferenceMotion truth(prepared);
   Largest out;
   for (std::int64_t k = 0; k <= std::min(scene.time().steps(), rows); ++k) {
     const double t = scene.time().time(k);
     EXPECT_TRUE(simulator.step(t).ok());
     truth.advance(t);
-    const Certificate certificate = certifier.certify(posture_of(simulator), t);
+    const Certificate certificate = certifier.certify(SimulatorAccess::posture(simulator), t);
     double largest = 0;
     for (std::size_t c = 1; c < certifier.coordinates().size(); ++c) {
       const Ball<double>& x = certifier.coordinates()[c];
@@ -131,7 +133,7 @@ Scene three_cranks() {
 }
 
 TEST(Certificate, LeavesOutRedundantEquations) {
-  ASSERT_EQ(prepare(three_cranks()).structure->checks.size(), 1U);
+  ASSERT_EQ(preparation(prepare(three_cranks())).structure->checks.size(), 1U);
   for (const char* strategy : kFormulations) {
     const Largest found = expect_truth_inside(three_cranks(), strategy);
     EXPECT_EQ(found.proven, found.rows);
@@ -147,10 +149,10 @@ TEST(Certificate, IsAsNarrowAsTheConditionAllows) {
     const std::vector<double> conditions =
         test::conditions(scene, test::grid_of(scene.with_time({0, 20 * scene.time().step, scene.time().step})));
     Simulator simulator = test::simulator(scene, "groups/eigen");
-    Certifier certifier(simulator.prepared());
+    Certifier certifier(preparation(simulator.prepared()));
     for (std::size_t k = 0; k < conditions.size(); ++k) {
       ASSERT_TRUE(simulator.step(scene.time().time(static_cast<std::int64_t>(k))).ok());
-      const std::vector<double> posture = posture_of(simulator);
+      const std::vector<double> posture = SimulatorAccess::posture(simulator);
       const double size = std::abs(*std::max_element(posture.begin(), posture.end(),
                                                      [](double a, double b) { return std::abs(a) < std::abs(b); }));
       const Certificate certificate = certifier.certify(posture, simulator.time());
@@ -165,14 +167,15 @@ TEST(Certificate, EnclosesTheTruthOrFailsForAWrongPosture) {
   for (const char* text : {"stewart", "four_bar:3", "rings:legs=2,n=24"}) {
     const Prepared prepared = prepare(sample(text), {"groups/eigen", {}});
     Simulator simulator(prepared);
-    Certifier certifier(prepared);
+    Certifier certifier(preparation(prepared));
     ReferenceMotion truth(prepared);
-    const std::vector<double> posture = posture_of(simulator);
+    const std::vector<double> posture = SimulatorAccess::posture(simulator);
     Draw draw(12);
     for (const double off : {1e-12, 1e-9, 1e-6, 1e-3, 0.3}) {
       for (int k = 0; k < 10; ++k) {
         std::size_t wrong = 0;  // index of a random unknown
-        while (prepared.structure->system->coordinates[wrong].role != Role::unknown) wrong = draw.below(posture.size());
+        while (preparation(prepared).structure->system->coordinates[wrong].role != Role::unknown)
+          wrong = draw.below(posture.size());
         std::vector<double> other = posture;
         other[wrong] += draw.maybe() ? off : -off;
         const Certificate certificate = certifier.certify(other, simulator.time());
@@ -204,12 +207,12 @@ struct Fold {
                               {"irreducible/eigen", {}});
 
   Certificate certify(double x, double y) {
-    std::vector<double> posture = prepared.structure->start;
-    const System& s = *prepared.structure->system;
+    std::vector<double> posture = preparation(prepared).structure->start;
+    const System& s = *preparation(prepared).structure->system;
     const Index first = s.form(s.item("Q").form[0])[0].coordinate;
     posture[static_cast<std::size_t>(first)] = x / 2;
     posture[static_cast<std::size_t>(first) + 1] = y;
-    return Certifier(prepared).certify(posture, x);
+    return Certifier(preparation(prepared)).certify(posture, x);
   }
 };
 
@@ -270,8 +273,8 @@ TEST(Certificate, FailsForCallbacksAndGroupsAfterThem) {
                           .time(0, 0.1, 0.01)
                           .build();
   const Prepared prepared = prepare(scene, {"global/eigen", {}});
-  Certifier certifier(prepared);
-  const Certificate certificate = certifier.certify(posture_of(Simulator(prepared)), 0);
+  Certifier certifier(preparation(prepared));
+  const Certificate certificate = certifier.certify(SimulatorAccess::posture(Simulator(prepared)), 0);
   EXPECT_NE(certificate.why_not.find("quadratic: false"), std::string::npos) << certificate.why_not;
   EXPECT_NE(certificate.why_not.find("circle"), std::string::npos) << certificate.why_not;
   EXPECT_NE(certificate.group.find("P"), std::string::npos) << certificate.group;

@@ -6,15 +6,17 @@
 #include <cmath>
 
 #include "decompositions.hpp"
+#include "plan/preparation.hpp"
+#include "simulation/simulator_access.hpp"
 
 namespace assur::test {
 
-Condition both_of(const Structure& structure, std::span<const double> q) {
+Condition both_of(const GroupedSystem& structure, std::span<const double> q) {
   const System& system = *structure.system;
   std::vector<Eigen::Index> column(system.coordinates.size(), -1);
   std::vector<Index> equations;
   Eigen::Index n = 0;
-  for (const Group& g : structure.groups) {
+  for (const SolvedGroup& g : structure.groups) {
     for (const std::int32_t u : g.unknowns) column[static_cast<std::size_t>(u)] = n++;
     equations.insert(equations.end(), g.equations.begin(), g.equations.end());
   }
@@ -44,7 +46,7 @@ std::vector<double> conditions(const Scene& scene, std::span<const double> times
       out.push_back(0);
       continue;
     }
-    out.push_back(condition(*s.prepared().structure, posture_of(s)));
+    out.push_back(condition(*preparation(s.prepared()).structure, SimulatorAccess::posture(s)));
     for (std::size_t j = k; j-- > 0 && out[j] == 0;) out[j] = std::max(out[k], out[k - (k - 1) % every - 1]);
   }
   return out;
@@ -55,7 +57,7 @@ std::vector<Condition> both_conditions(const Scene& scene, std::span<const doubl
   std::vector<Condition> out;
   for (const double t : times) {
     if (!s.step(t).arrived()) break;
-    out.push_back(both_of(*s.prepared().structure, posture_of(s)));
+    out.push_back(both_of(*preparation(s.prepared()).structure, SimulatorAccess::posture(s)));
   }
   return out;
 }

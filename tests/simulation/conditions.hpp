@@ -9,9 +9,7 @@
 #include "equations/system.hpp"
 #include "simulation/run.hpp"
 
-namespace assur {
-std::vector<double> posture_of(const Simulator& simulator);  // all coordinates, internal units
-}
+namespace assur {}
 
 namespace assur::test {
 
@@ -21,8 +19,8 @@ struct Condition {
   double all = 1;  // max |J^-1| s / largest coordinate
   double own = 1;  // max |J^-1| s / characteristic length, which is smaller than the coordinates far from the origin
 };
-Condition both_of(const Structure& structure, std::span<const double> q);
-inline double condition(const Structure& structure, std::span<const double> q) { return both_of(structure, q).all; }
+Condition both_of(const GroupedSystem& structure, std::span<const double> q);
+inline double condition(const GroupedSystem& structure, std::span<const double> q) { return both_of(structure, q).all; }
 
 // Conditions of all rows that a run reaches. Only each `every`-th row is examined; the rows between two examined rows
 // get the larger of their conditions.

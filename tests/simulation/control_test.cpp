@@ -10,6 +10,7 @@
 #include "simulation/delta_robot.hpp"
 #include "simulation/limited.hpp"
 #include "simulation/run.hpp"
+#include "simulation/simulator_access.hpp"
 
 namespace assur {
 namespace {
@@ -312,7 +313,7 @@ TEST(Control, AllWorkOfACallSharesItsDeadline) {
         ASSERT_TRUE(of->step().arrived());
       }
     }
-    use_clock(s, &ticking);
+    SimulatorAccess::use_clock(s, &ticking);
     ticks = 0;
     const std::int64_t before = s.report().counters.group_solutions;
     s.set("pose.z", lowest - 1e-3, -0.2);
@@ -333,12 +334,12 @@ TEST(Control, AllWorkOfACallSharesItsDeadline) {
 // on, the accuracy is unknown.
 TEST(Control, EstimatesOfErrorsShareTheDeadline) {
   Simulator s = test::simulator(sample("four_bar:loops=8,step=0.001"), "groups/eigen", {.seconds = 12});
-  use_clock(s, &ticking);
+  SimulatorAccess::use_clock(s, &ticking);
   for (int k = 0; k < 15; ++k) ASSERT_TRUE(s.step().ok()) << k;
   const Status unknown = s.step();
   EXPECT_EQ(unknown.code, Code::inaccurate);
   EXPECT_EQ(unknown.figure, HUGE_VAL);
-  use_clock(s, &std::chrono::steady_clock::now);
+  SimulatorAccess::use_clock(s, &std::chrono::steady_clock::now);
   EXPECT_TRUE(s.step().ok());
 }
 

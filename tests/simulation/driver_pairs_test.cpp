@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "assur/assur.hpp"
+#include "structure/grouped_system.hpp"
 
 namespace assur {
 namespace {
@@ -59,7 +60,7 @@ TEST(DriverPairs, ADistanceAndAnAngleMoveAnArm) {
             PrepareOptions options;
             options.strategy = strategy;
             const Scene scene = arm(dimension, h, distance_first, reversed, kReach, kTurn).build();
-            EXPECT_EQ(analyze(scene).mobility, 2);
+            EXPECT_EQ(group_equations(scene).mobility, 2);
             Simulator simulator(prepare(scene, options));
             const Trajectory motion = simulator.run();
             ASSERT_TRUE(simulator.report().status.ok()) << name(simulator.report().status.code);

@@ -2,6 +2,7 @@
 // conditions up to 10. Rates and accelerations are up to 10.
 #include <gtest/gtest.h>
 
+#include "plan/preparation.hpp"
 #include "simulation/run.hpp"
 
 namespace assur {
@@ -330,14 +331,15 @@ TEST(Redundancy, ChecksAThirdParallelRod) {
     EXPECT_NEAR(r(k, r.index("Q.y")), std::sin(angle), 4 * kValue);
   });
   const Prepared p = prepare(three_rods(1), {"groups/eigen", {}});
-  ASSERT_EQ(p.structure->redundant.size(), 1u);
-  EXPECT_TRUE(p.structure->undetermined.empty());
-  ASSERT_EQ(p.structure->checks.size(), 1u);
+  const GroupedSystem& structure = *preparation(p).structure;
+  ASSERT_EQ(structure.redundant.size(), 1u);
+  EXPECT_TRUE(structure.undetermined.empty());
+  ASSERT_EQ(structure.checks.size(), 1u);
   // Every posture also evaluates the checked equation.
   const Result r = test::run(three_rods(1), "groups/eigen");
   std::int64_t unknowns = 0;
-  for (const Group& g : p.structure->groups) unknowns += static_cast<std::int64_t>(g.unknowns.size());
-  ASSERT_EQ(p.structure->groups.size(), 1u);
+  for (const SolvedGroup& g : structure.groups) unknowns += static_cast<std::int64_t>(g.unknowns.size());
+  ASSERT_EQ(structure.groups.size(), 1u);
   EXPECT_EQ(r.counters().evaluated_equations,
             unknowns * (r.counters().newton_iterations + r.counters().group_solutions) + r.counters().steps + 1);
 }

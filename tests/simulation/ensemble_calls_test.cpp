@@ -8,6 +8,7 @@
 
 #include "assur/machine.hpp"
 #include "backends/allocations.hpp"
+#include "plan/preparation.hpp"
 #include "refusal.hpp"
 #include "simulation/ensembles.hpp"
 
@@ -49,7 +50,9 @@ TEST(Ensemble, ChecksRedundantEquations) {
     for (std::size_t i = 0; i < 5; ++i) {
       expect_member(e, all, i, three_rods(i), strategy);
       // The checked rod depends on the start posture; members with another one run alone.
-      const auto watched = [](std::size_t m) { return prepare(three_rods(m), {"groups/eigen", {}}).structure->checks; };
+      const auto watched = [](std::size_t m) {
+        return preparation(prepare(three_rods(m), {"groups/eigen", {}})).structure->checks;
+      };
       EXPECT_EQ(e.outcomes()[i].alone, watched(i) != watched(0));
     }
     Ensemble apart = ensemble(4, leaving, strategy);

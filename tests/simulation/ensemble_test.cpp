@@ -3,6 +3,7 @@
 
 #include <functional>
 
+#include "plan/preparation.hpp"
 #include "runs/tile.hpp"
 #include "simulation/ensembles.hpp"
 
@@ -103,14 +104,15 @@ TEST(Ensemble, ATileNamesTheLaneThatCannotFollow) {
       const Prepared first = prepared(scene, strategy)(0);
       std::vector<Variant> lanes;
       for (std::size_t i = 0; i < 4; ++i) {
-        const Prepared p = prepared(scene, strategy)(i);
+        const Prepared of = prepared(scene, strategy)(i);
+        const Preparation& p = preparation(of);
         lanes.push_back({p.structure->system, p.structure->start, p.time.start, {}});
       }
-      Tile tile(first, {});
+      Tile tile(preparation(first), {});
       const Variant* const variants[] = {&lanes[0], &lanes[1], &lanes[2], &lanes[3]};
       Status status = tile.start(variants);
-      for (std::int64_t k = 1; k <= first.time.steps() && status.ok(); ++k) {
-        const double t = first.time.time(k);
+      for (std::int64_t k = 1; k <= first.time().steps() && status.ok(); ++k) {
+        const double t = first.time().time(k);
         status = tile.step(std::vector<double>{t, t, t, t});
       }
       EXPECT_FALSE(status.ok());

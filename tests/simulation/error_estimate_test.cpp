@@ -202,7 +202,7 @@ TEST(Accuracy, IsReachedWithRedundantEquations) {
         Simulator s(p);
         const Trajectory rows = s.run();
         EXPECT_TRUE(s.report().status.ok()) << name(s.report().status.code);
-        EXPECT_EQ(rows.rows(), static_cast<std::size_t>(p.scene->time().steps()) + 1);
+        EXPECT_EQ(rows.rows(), static_cast<std::size_t>(p.time().steps()) + 1);
         EXPECT_LE(worst(forward_error(p, rows)), asked);
       }
     }

@@ -88,8 +88,8 @@ TEST(FailedCommands, LeaveNoTargetBehind) {
     for (const Prepared& plan : {prepared, loaded(prepared)}) {
       for (const bool first : {true, false}) {
         for (const bool to_time : {true, false}) {
-          SCOPED_TRACE(c.scene.name() + " " + c.set + (plan.scene ? "" : ", loaded") + (first ? ", first" : "") +
-                       (to_time ? ", step(t)" : ""));
+          SCOPED_TRACE(c.scene.name() + " " + c.set + (plan.scene() != nullptr ? "" : ", loaded") +
+                       (first ? ", first" : "") + (to_time ? ", step(t)" : ""));
           Simulator s(plan), twin(plan);
           const double h = c.scene.time().step;
           if (!first) {
@@ -141,7 +141,7 @@ TEST(FailedCommands, AllocateNothing) {
       for (const Prepared& plan : {prepared, loaded(prepared)}) {
         for (const bool near_first : {false, true}) {
           for (const bool to_time : {true, false}) {
-            SCOPED_TRACE(c.scene.name() + " " + c.set + " " + strategy + (plan.scene ? "" : ", loaded") +
+            SCOPED_TRACE(c.scene.name() + " " + c.set + " " + strategy + (plan.scene() != nullptr ? "" : ", loaded") +
                          (near_first ? "" : ", first") + (to_time ? ", step(t)" : ""));
             Simulator s(plan);
             const double h = c.scene.time().step;
@@ -444,7 +444,7 @@ struct Search {
   void run(const Robot& robot, int cycles, bool solver_has_no_memory) {
     Simulator s(robot.prepared), twin(robot.prepared);
     std::vector<double> at = robot.home;
-    const double step = robot.prepared.time.step;
+    const double step = robot.prepared.time().step;
     SimulatorState state = s.save();
     std::int64_t before = 0;
     const auto same_pivots = [&] {
@@ -523,7 +523,7 @@ TEST(FailedCommands, LeaveTheBitsOfATwin) {
   for (const bool saved : {false, true}) {
     for (const std::string strategy : {"irreducible/eigen", "irreducible/lanes", "global/eigen+predict=past:3"}) {
       for (const Robot& r : robots(strategy, saved)) {
-        SCOPED_TRACE(r.prepared.name + " " + strategy + (saved ? ", loaded" : ""));
+        SCOPED_TRACE(r.prepared.name() + " " + strategy + (saved ? ", loaded" : ""));
         search.run(r, cycles, strategy.find("eigen") != std::string::npos);
         if (HasFatalFailure()) return;
       }

@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "assur/ensemble.hpp"
-#include "assur/structure.hpp"
 #include "joints/gear.hpp"
 #include "run.hpp"
 #include "scene/triple.hpp"
+#include "structure/grouped_system.hpp"
 
 namespace assur {
 namespace {
@@ -302,7 +302,7 @@ TEST(Gears, OnlyCoordinatesCountWholeTurns) {
     const Scene scene = by_points(-kPi / 2 + 0.2 + 2 * kPi * turns);
     const Trajectory t = test::run(scene).trajectory;
     EXPECT_NEAR(t(0, t.index("B.angle")), -0.1, 1e-14);
-    const std::vector<Diagnostic> notes = analyze(scene).notes;
+    const std::vector<Diagnostic> notes = group_equations(scene).notes;
     EXPECT_EQ(std::count_if(notes.begin(), notes.end(),
                             [](const Diagnostic& n) {
                               return n.where == "/drivers/motor" && n.what.starts_with("the driver does not count");
@@ -312,7 +312,7 @@ TEST(Gears, OnlyCoordinatesCountWholeTurns) {
 }
 
 TEST(Gears, AStartThatCannotBeReachedIsRefused) {
-  const Structure far = analyze(wheels(2.0 / 201, Law::constant(1e9)).build());
+  const GroupedSystem far = group_equations(wheels(2.0 / 201, Law::constant(1e9)).build());
   EXPECT_TRUE(far.cannot_assemble.starts_with("the start posture cannot be reached: ")) << far.cannot_assemble;
   EXPECT_NE(far.cannot_assemble.find("which teeth of the gears mesh"), std::string::npos) << far.cannot_assemble;
   // also if the direct way finds no posture, in the place of residuals that are not numbers

@@ -7,8 +7,8 @@
 #include <string>
 #include <utility>
 
-#include "assur/structure.hpp"
 #include "run.hpp"
+#include "structure/grouped_system.hpp"
 
 namespace assur {
 namespace {
@@ -36,7 +36,7 @@ Member marker(std::string name, const Triple& at) { return {std::move(name), at,
 
 void expect_left_out(int dimension, const SceneBuilder& with, const std::string& body, const std::string& output) {
   const Scene scene = with.build();
-  const Structure s = analyze(scene);
+  const GroupedSystem s = group_equations(scene);
   EXPECT_TRUE(s.undetermined.empty());
   const auto names = [&](const Diagnostic& note) {
     if (note.where == "/bodies/" + body) return note.what.starts_with("the body may turn about the line through");
@@ -44,7 +44,7 @@ void expect_left_out(int dimension, const SceneBuilder& with, const std::string&
            note.what.find("'" + body + "'") != std::string::npos;
   };
   EXPECT_EQ(std::count_if(s.notes.begin(), s.notes.end(), names), 1);
-  const Structure without = analyze(four_bar(dimension).build());
+  const GroupedSystem without = group_equations(four_bar(dimension).build());
   EXPECT_EQ(s.mobility, without.mobility);
   // in space the coupler carries members beside its plane, with a normal
   if (dimension == 2) {
@@ -53,7 +53,7 @@ void expect_left_out(int dimension, const SceneBuilder& with, const std::string&
   const test::Result motion = test::run(scene);
   EXPECT_EQ(motion.report().status.code, Code::ok);
   EXPECT_LE(test::difference(test::run(four_bar(dimension).build()).trajectory, motion.trajectory), 1e-13);
-  EXPECT_FALSE(analyze(SceneBuilder(with).output(output).build()).undetermined.empty());
+  EXPECT_FALSE(group_equations(SceneBuilder(with).output(output).build()).undetermined.empty());
   EXPECT_THROW((void)prepare(SceneBuilder(with).output(output).build()), Error);
 }
 
@@ -103,7 +103,7 @@ TEST(IdleParts, BodiesThatHangOnJointsInSpace) {
       .joint("Q", Spherical{"rod", "lever", Triple{1.5, 1.5, 1}})
       .joint("R", Revolute{"ground", "lever", Triple{2.5, 1.5, 1}, Triple{0, 1, 0.2}});
   const Scene scene = rod.output("Q").time(0, 1.0 / 16, 1.0 / 64).build();
-  const Structure s = analyze(scene);
+  const GroupedSystem s = group_equations(scene);
   EXPECT_TRUE(s.undetermined.empty());
   EXPECT_EQ(test::run(scene).report().status.code, Code::ok);
   const auto is_note = [](const Diagnostic& note) {
@@ -153,7 +153,7 @@ TEST(IdleParts, StrutsWithMarksBesideTheirAxes) {
     SCOPED_TRACE(testing::Message() << lower << upper);
     const SceneBuilder marked = tripod(lower, upper);
     const Scene scene = marked.build();
-    const Structure s = analyze(scene);
+    const GroupedSystem s = group_equations(scene);
     EXPECT_TRUE(s.undetermined.empty());
     const auto is_spin = [](const Diagnostic& note) {
       return note.what.starts_with("the body may turn about the line through ") &&

@@ -17,6 +17,7 @@
 #include "backends/allocations.hpp"
 #include "equations/outputs.hpp"
 #include "outputs/output_program.hpp"
+#include "plan/preparation.hpp"
 #include "simulation/run.hpp"
 #include "source_dir.hpp"
 #include "verification/reference_motion.hpp"
@@ -267,7 +268,7 @@ TEST(ConstraintJacobian, GroupsAreDiagonalBlocksOfTheWhole) {
     const Eigen::MatrixXd whole = as_matrix(all);
     ASSERT_EQ(whole.rows(), whole.cols());
     Eigen::Index first = 0;
-    for (std::size_t g = 0; g < simulator.prepared().structure->groups.size(); ++g) {
+    for (std::size_t g = 0; g < preparation(simulator.prepared()).structure->groups.size(); ++g) {
       const ConstraintJacobian one = simulator.constraint_jacobian(static_cast<std::int32_t>(g));
       const Eigen::MatrixXd block = as_matrix(one);
       const Eigen::Index n = block.rows();

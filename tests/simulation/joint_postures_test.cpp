@@ -10,6 +10,7 @@
 #include "run.hpp"
 #include "scene/triple.hpp"
 #include "simulation/conditions.hpp"
+#include "structure/grouped_system.hpp"
 
 namespace assur {
 namespace {
@@ -87,7 +88,7 @@ void expect_hand(const Scene& scene, const Triple& axis, double turn, double way
   }
 }
 
-std::int64_t mobility(SceneBuilder builder) { return analyze(builder.build()).mobility; }
+std::int64_t mobility(SceneBuilder builder) { return group_equations(builder.build()).mobility; }
 
 constexpr double kTurn = 2 * kPi;
 

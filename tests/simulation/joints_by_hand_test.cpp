@@ -8,11 +8,11 @@
 #include <string>
 #include <utility>
 
-#include "assur/structure.hpp"
 #include "index.hpp"
 #include "run.hpp"
 #include "scene/triple.hpp"
 #include "simulation/by_hand.hpp"
+#include "structure/grouped_system.hpp"
 
 namespace assur {
 namespace {
@@ -36,9 +36,9 @@ std::pair<std::int64_t, std::int64_t> run_same(const Scene& joints, const Scene&
 
 // Unknowns that a step solves.
 Index solved(const Scene& scene) {
-  const Structure s = analyze(scene, {Formulation::irreducible, 2, {}, {}});
+  const GroupedSystem s = group_equations(scene, {Formulation::irreducible, 2, {}});
   Index sum = 0;
-  for (const Group& g : s.groups) sum += static_cast<Index>(g.unknowns.size());
+  for (const SolvedGroup& g : s.groups) sum += static_cast<Index>(g.unknowns.size());
   return sum;
 }
 
@@ -93,7 +93,7 @@ TEST(JointsByHand, SphericalLinkagesOfAnySize) {
 // acceleration.
 TEST(JointsByHand, FewerOutputsKeepThePredictor) {
   const Prepared p = prepare(sample("slider_crank").with_outputs({"C"}));
-  EXPECT_EQ(p.plan.run.predictor, (Predictor{Predictor::Kind::hermite, 5}));
+  EXPECT_EQ(p.plan().run.predictor, (Predictor{Predictor::Kind::hermite, 5}));
 }
 
 // A leg of a Stewart platform on a crank: universal, prismatic and spherical joint, and the distance of its ends.

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "numbers.hpp"
+#include "plan/preparation.hpp"
 #include "run.hpp"
 #include "scene/triple.hpp"
 
@@ -58,7 +59,7 @@ double tolerance(test::Result& run) {
 
 std::size_t unknowns(const Scene& scene) {
   std::size_t count = 0;
-  for (const Group& g : prepare(scene).structure->groups) count += g.unknowns.size();
+  for (const SolvedGroup& g : preparation(prepare(scene)).structure->groups) count += g.unknowns.size();
   return count;
 }
 

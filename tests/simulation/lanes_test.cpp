@@ -7,6 +7,7 @@
 #include "evaluation/lane_array.hpp"
 #include "motion/layout.hpp"
 #include "motion/state.hpp"
+#include "plan/preparation.hpp"
 #include "simulation/run.hpp"
 
 namespace assur {
@@ -33,7 +34,7 @@ void expect_the_same_motion(const Scene& scene, const std::string& formulation, 
     EXPECT_LE(r.report().error.position, 1e-14);
     // Counters include group instances, but not idle lanes. If one lane rejects a step, the whole pack is solved again.
     EXPECT_EQ(r.counters().steps, one.counters().steps);
-    const auto groups = static_cast<std::int64_t>(r.simulator.prepared().structure->groups.size());
+    const auto groups = static_cast<std::int64_t>(preparation(r.simulator.prepared()).structure->groups.size());
     EXPECT_LE(r.counters().group_solutions,
               groups * (1 + r.counters().steps + r.counters().substeps + r.counters().rejected));
     EXPECT_GE(r.counters().group_solutions, groups * (1 + r.counters().steps + r.counters().substeps));
@@ -53,7 +54,7 @@ std::vector<std::string> with_lanes() {
 TEST(Lanes, DoNotCrossACacheLine) {
   for (const char* strategy : {"groups/eigen", "irreducible/eigen:4", "irreducible/eigen:16"}) {
     for (const char* scene : {"stewart:legs=11", "andrews"}) {
-      const Layout layout = lay_out(prepare(sample(scene), {strategy}));
+      const Layout layout = lay_out(preparation(prepare(sample(scene), {strategy})));
       State values;
       values.resize(layout.first_unknown, layout.size, {});
       const State& state = values;

@@ -14,6 +14,7 @@
 #include "assur/machine.hpp"
 #include "backends/allocations.hpp"
 #include "parallel/thread_state.hpp"
+#include "plan/preparation.hpp"
 #include "simulation/fan.hpp"
 #include "simulation/same_run.hpp"
 
@@ -30,14 +31,14 @@ Prepared as_planned(const Scene& scene, const std::string& solver, int p, int q 
 
 // A plan that shares every level among the threads, even if this gains no time.
 Prepared prepared(const Scene& scene, const std::string& solver, int p, int q = 1) {
-  Prepared all = as_planned(scene, solver, p, q);
+  Preparation all = preparation(as_planned(scene, solver, p, q));
   all.plan.level_threads.clear();
-  return all;
+  return Preparation::shared(std::move(all));
 }
 
 int threads_of(const Prepared& p) {
-  Layout layout = lay_out(p);
-  return Levels(p, layout, {}).threads();
+  Layout layout = lay_out(preparation(p));
+  return Levels(preparation(p), layout, {}).threads();
 }
 
 Result run(const Prepared& p, StepSettings settings = {}) {
@@ -235,7 +236,7 @@ TEST(Levels, StartTheLongestPackFirst) {
   }
   fan.builder().add(large).add(DeclaredGroup{"first", {"B"}});
   const Prepared p = prepared(fan.build(1, 0.01), "groups/eigen", 2);
-  ASSERT_EQ(p.structure->groups.size(), std::size_t{kSmall + 2});
+  ASSERT_EQ(p.structure().groups().size(), std::size_t{kSmall + 2});
   Simulator s(p);
   log.entries.clear();
   ASSERT_TRUE(s.step(0.01).ok());

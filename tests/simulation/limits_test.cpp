@@ -1,6 +1,7 @@
 // Mechanisms that are driven to their limits, and drivers that end.
 #include <gtest/gtest.h>
 
+#include "plan/preparation.hpp"
 #include "simulation/limited.hpp"
 #include "simulation/run.hpp"
 #include "source_dir.hpp"
@@ -41,7 +42,7 @@ void expect_limit(const Limit& limit, const std::string& strategy) {
   ASSERT_EQ(r.report().events.size(), 1u);
   const Event& e = r.report().events[0];
   EXPECT_TRUE(r.report().status.where.is(Place::Kind::group));
-  EXPECT_EQ(r.simulator.prepared().structure->name_of(r.report().status.where), e.group);
+  EXPECT_EQ(preparation(r.simulator.prepared()).structure->name_of(r.report().status.where), e.group);
   EXPECT_EQ(e.kind, Code::fold);
   EXPECT_LE(e.time, limit.time);
   EXPECT_GE(e.until, limit.time);

@@ -14,6 +14,7 @@
 #include "assur/assur.hpp"
 #include "motion/layout.hpp"
 #include "numbers.hpp"
+#include "plan/preparation.hpp"
 #include "source_dir.hpp"
 
 namespace assur {
@@ -23,8 +24,8 @@ namespace {
 void expect_rows_like_single_outputs(const std::string& scene, const std::string& strategy) {
   SCOPED_TRACE(scene + " " + strategy);
   const Prepared prepared = prepare(sample(scene), {strategy, {}});
-  const Layout layout = lay_out(prepared);
-  const System& system = *prepared.structure->system;
+  const Layout layout = lay_out(preparation(prepared));
+  const System& system = *preparation(prepared).structure->system;
   const OutputProgram single(system, layout.address);
   OutputProgram rows = single;
   rows.find_rows(layout.size);
@@ -67,8 +68,8 @@ TEST(OutputProgram, RowsAreSingleOutputsBitForBit) {
 // epsilon * (length of the directions); the rate and the acceleration contain the square of such a ratio.
 void expect_angles_by_products(const Scene& scene) {
   const Prepared prepared = prepare(scene, {"irreducible/eigen", {}});
-  const Layout layout = lay_out(prepared);
-  const System& system = *prepared.structure->system;
+  const Layout layout = lay_out(preparation(prepared));
+  const System& system = *preparation(prepared).structure->system;
   const OutputProgram outputs(system, layout.address);
   std::mt19937_64 random(4);
   std::normal_distribution<double> number;

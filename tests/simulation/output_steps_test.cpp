@@ -14,6 +14,7 @@
 #include "motion/layout.hpp"
 #include "numbers.hpp"
 #include "outputs/angle_kernels.hpp"
+#include "plan/preparation.hpp"
 #include "source_dir.hpp"
 
 namespace assur {
@@ -23,9 +24,9 @@ namespace {
 struct SideBySide {
   SideBySide(const std::vector<Scene>& scenes, int lanes) : w(idx(lanes)) {
     for (const Scene& scene : scenes) prepared.push_back(prepare(scene, {"irreducible/eigen", {}}));
-    const Layout layout = lay_out_side_by_side(prepared[0], lanes);
+    const Layout layout = lay_out_side_by_side(preparation(prepared[0]), lanes);
     for (std::size_t l = 0; l < w; ++l) {
-      outputs.emplace_back(*prepared[l % prepared.size()].structure->system, layout.address);
+      outputs.emplace_back(*preparation(prepared[l % prepared.size()]).structure->system, layout.address);
     }
     std::mt19937_64 random(5);
     std::normal_distribution<double> number;
@@ -123,7 +124,7 @@ TEST(OutputSteps, ARenewedProgramIsTheBoundOne) {
   for (const auto& scenes : {members(stewart(), "toe", {0.2, 0.21}), members(four_bar, "crank_length", {0.8, 0.79})}) {
     const SideBySide s(scenes, 2);
     OutputProgram renewed = s.outputs[0];
-    ASSERT_TRUE(renewed.renew(*s.prepared[1].structure->system));
+    ASSERT_TRUE(renewed.renew(*preparation(s.prepared[1]).structure->system));
     EXPECT_TRUE(renewed.same_shape(s.outputs[1]));
     EXPECT_EQ(numbers(renewed), numbers(s.outputs[1]));
   }
@@ -144,7 +145,7 @@ TEST(OutputSteps, MechanismsMayHaveProgramsOfAnotherShape) {
   EXPECT_FALSE(s.outputs[0].same_shape(s.outputs[1]));
   EXPECT_TRUE(s.outputs[0].same_shape(s.outputs[0]));
   OutputProgram renewed = s.outputs[0];
-  EXPECT_FALSE(renewed.renew(*s.prepared[1].structure->system));
+  EXPECT_FALSE(renewed.renew(*preparation(s.prepared[1]).structure->system));
   expect_bits_of_each_alone({straight, tilted});
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "plan/preparation.hpp"
 #include "simulation/conditions.hpp"
 
 namespace assur {
@@ -20,7 +21,7 @@ struct Work {
   double factorizations, iterations;
 };
 Work work(const Result& r) {
-  const auto groups = static_cast<double>(r.simulator.prepared().structure->groups.size());
+  const auto groups = static_cast<double>(preparation(r.simulator.prepared()).structure->groups.size());
   const double solutions = groups * static_cast<double>(r.counters().steps + r.counters().substeps);
   return {(static_cast<double>(r.counters().factorizations) - groups) / solutions,
           static_cast<double>(r.counters().newton_iterations) / solutions};
@@ -71,7 +72,8 @@ TEST(Policies, SeparateTakesOneFactorisationMoreForTheAcceleration) {
         const Result separate = test::run(scene, "groups/" + solver + options + "+separate");
         ASSERT_TRUE(shared.report().status.ok() && separate.report().status.ok());
         const Counters &a = shared.counters(), &b = separate.counters();
-        const auto groups = static_cast<std::int64_t>(shared.simulator.prepared().structure->groups.size());
+        const auto groups =
+            static_cast<std::int64_t>(preparation(shared.simulator.prepared()).structure->groups.size());
         const std::int64_t more = groups * (a.steps + a.substeps + 1);  // and the start
         // Factorisations of Newton's method are not compared, because small steps round differently and may take
         // another iteration.

@@ -137,7 +137,7 @@ TEST(Predictor, DoesNotChangeTheResult) {
 }
 
 TEST(Predictor, AutomaticUsesAvailableDerivatives) {
-  const auto chosen = [](const Scene& scene) { return prepare(scene, {"groups/eigen", {}}).plan.run.predictor; };
+  const auto chosen = [](const Scene& scene) { return prepare(scene, {"groups/eigen", {}}).plan().run.predictor; };
   const Scene stewart = sample("stewart");
   EXPECT_EQ(chosen(stewart), (Predictor{Predictor::Kind::hermite, 5}));
   EXPECT_EQ(chosen(stewart.with_outputs({"handle1.value"})), (Predictor{Predictor::Kind::past, 5}));

@@ -58,8 +58,8 @@ TEST(Whitworth, FollowsItsClosedFormOverTenTurns) {
 }
 
 TEST(Whitworth, ExplicitHingeIsRedundant) {
-  EXPECT_TRUE(analyze(sample("whitworth")).redundant.empty());
-  const Structure s = analyze(sample("whitworth:hinge=stated"));
+  EXPECT_TRUE(group_equations(sample("whitworth")).redundant.empty());
+  const GroupedSystem s = group_equations(sample("whitworth:hinge=stated"));
   EXPECT_EQ(s.redundant.size(), 1u);
   EXPECT_EQ(s.mobility, 1);
 }
@@ -104,7 +104,7 @@ TEST(Bricard, EndsAtItsFold) {
 
 TEST(Parallelograms, EachHasARedundantRod) {
   const Scene scene = sample("parallelograms:5");
-  const Structure s = analyze(scene);
+  const GroupedSystem s = group_equations(scene);
   EXPECT_EQ(s.redundant.size(), 5u);
   EXPECT_EQ(s.mobility, 1);
   const Result r = test::run(scene, "groups/eigen");
@@ -122,7 +122,7 @@ TEST(Parallelograms, EachHasARedundantRod) {
 }
 
 TEST(Parallelograms, ATooLongRodContradicts) {
-  const Structure s = analyze(sample("parallelograms:loops=2,excess=1e-4"));
+  const GroupedSystem s = group_equations(sample("parallelograms:loops=2,excess=1e-4"));
   EXPECT_EQ(s.cannot_assemble.rfind("these equations contradict each other: ", 0), 0u) << s.cannot_assemble;
 }
 

@@ -300,7 +300,7 @@ class JointMechanism : public std::enable_shared_from_this<JointMechanism> {
 
   // The motion of all tracers and measures. `scene` is the written one, whose bases bound how errors of unknowns grow.
   void expect_motion(const Scene& scene, const std::string& strategy = "auto") const {
-    const double unit = std::ldexp(1, analyze(scene).system->length_exponent);
+    const double unit = std::ldexp(1, group_equations(scene).system->length_exponent);
     std::map<std::string, double> turns;  // of bodies: error of a direction, for an error of 1 m of the base
     double gain = 1;
     for (const Body& b : scene.bodies()) {
@@ -353,7 +353,7 @@ class JointMechanism : public std::enable_shared_from_this<JointMechanism> {
   }
 
   // Each group solves one unit. Returns the number of groups of each unit.
-  [[nodiscard]] std::vector<int> groups_of_units(const Structure& s) const {
+  [[nodiscard]] std::vector<int> groups_of_units(const GroupedSystem& s) const {
     std::map<std::string, int> bodies = drivers_;
     for (const Solid& b : solids_) {
       bodies[b.name] = b.unit;
@@ -362,7 +362,7 @@ class JointMechanism : public std::enable_shared_from_this<JointMechanism> {
       for (const auto& [name, at] : b.tracers) bodies[name] = b.unit;
     }
     std::vector<int> count(units_.size(), 0);
-    for (const Group& g : s.groups) {
+    for (const SolvedGroup& g : s.groups) {
       std::set<int> units;
       for (const std::int32_t u : g.unknowns) units.insert(unit_of(s.system->coordinate_name(u), bodies));
       EXPECT_EQ(units.size(), 1u) << g.name;

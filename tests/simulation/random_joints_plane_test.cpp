@@ -366,7 +366,7 @@ TEST(RandomJoints, TreesInThePlaneMoveInClosedForm) {
     SCOPED_TRACE("seed " + std::to_string(seed) + ":" + kinds);
     try {
       const Scene scene = tree.mechanism->write(kGrid);
-      const Structure s = analyze(scene.with_outputs({"all"}));
+      const GroupedSystem s = group_equations(scene.with_outputs({"all"}));
       EXPECT_EQ(s.cannot_assemble, "");
       EXPECT_TRUE(s.undetermined.empty());
       for (const Redundancy& r : s.redundant) ADD_FAILURE() << "not redundant: " << r.dropped;

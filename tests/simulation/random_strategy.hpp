@@ -6,10 +6,10 @@
 #include "assur/backend.hpp"
 #include "assur/scene.hpp"
 #include "assur/strategy.hpp"
-#include "assur/structure.hpp"
 #include "backends/backends.hpp"
 #include "dispatch/together_rules.hpp"
 #include "simulation/random_mechanisms.hpp"
+#include "structure/grouped_system.hpp"
 
 namespace assur::test {
 
@@ -25,7 +25,7 @@ inline bool can_be_solved_together(const Scene& scene, Formulation formulation) 
   StructureOptions options;
   options.formulation = formulation;
   try {
-    return why_not_together(analyze(scene, options)).empty();
+    return why_not_together(group_equations(scene, options)).empty();
   } catch (const Error&) {
     return false;
   }

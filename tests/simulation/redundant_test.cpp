@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "plan/preparation.hpp"
 #include "simulation/random_count.hpp"
 #include "simulation/random_mechanisms.hpp"
 #include "simulation/run.hpp"
@@ -194,18 +195,18 @@ TEST(Redundant, BennettsLinkageTurnsAHundredTimes) {
 TEST(Redundant, SetsThatAreKnownNeedNoAnalysis) {
   const Scene scene = read_scene(ASSUR_SOURCE_DIR "/scenes/bricard_joints.json");  // it turns twice
   for (const char* strategy : {"irreducible/lanes", "irreducible/eigen"}) {
-    Prepared prepared = prepare(scene, {.strategy = strategy});
+    Preparation prepared = preparation(prepare(scene, {.strategy = strategy}));
     int analyses = 0, choices = 0;
     prepared.reselect = [&, choose = prepared.reselect](std::vector<double> at, double t,
                                                         std::vector<std::int32_t> checked) {
       ++analyses;
-      Prepared chosen = choose(std::move(at), t, checked);
+      Preparation chosen = choose(std::move(at), t, checked);
       std::vector<std::int32_t> found = chosen.structure->checks;
       std::sort(found.begin(), found.end());
       EXPECT_EQ(found, checked) << "at t = " << t;
       return chosen;
     };
-    Simulator simulator(prepared);
+    Simulator simulator(Preparation::shared(prepared));
     std::vector<double> first;
     for (int round = 0; round < 3; ++round) {
       const std::vector<std::int32_t>* checks = nullptr;
@@ -214,7 +215,7 @@ TEST(Redundant, SetsThatAreKnownNeedNoAnalysis) {
       for (std::int64_t k = 0; k < scene.time().steps(); ++k) {
         ASSERT_TRUE(simulator.step().ok());
         values.insert(values.end(), simulator.outputs().begin(), simulator.outputs().end());
-        const std::vector<std::int32_t>* now = &simulator.prepared().structure->checks;
+        const std::vector<std::int32_t>* now = &preparation(simulator.prepared()).structure->checks;
         choices += now != checks ? 1 : 0;
         checks = now;
       }
@@ -235,21 +236,23 @@ TEST(Redundant, RehearsedSetsNeedNoAnalysis) {
   for (const std::string file : {"bricard_joints", "goldberg", "delta"}) {
     const Scene scene = read_scene(ASSUR_SOURCE_DIR "/scenes/" + file + ".json");
     const Prepared prepared = prepare(scene, {.strategy = "irreducible/lanes"});
-    Prepared rehearsed = rehearse(prepared);
+    Preparation rehearsed = preparation(rehearse(prepared));
     EXPECT_EQ(rehearsed.other_sets.empty(), file == "delta") << file;  // whose first set serves
     int analyses = 0;
     rehearsed.reselect = [&](std::vector<double> at, double time, std::vector<std::int32_t> checked) {
       ++analyses;
-      return prepared.reselect(std::move(at), time, std::move(checked));
+      return preparation(prepared).reselect(std::move(at), time, std::move(checked));
     };
-    Simulator known(rehearsed), alone(prepared);
+    Simulator known(Preparation::shared(rehearsed)), alone(prepared);
     std::int64_t changes = 0;
-    const std::vector<std::int32_t>* checks = &known.prepared().structure->checks;
+    const std::vector<std::int32_t>* checks = &preparation(known.prepared()).structure->checks;
     for (std::int64_t k = 0; k < scene.time().steps(); ++k) {
       ASSERT_TRUE(known.step().ok() && alone.step().ok()) << file;
       ASSERT_TRUE(std::equal(known.outputs().begin(), known.outputs().end(), alone.outputs().begin())) << file;
-      changes +=
-          std::exchange(checks, &known.prepared().structure->checks) != &known.prepared().structure->checks ? 1 : 0;
+      changes += std::exchange(checks, &preparation(known.prepared()).structure->checks) !=
+                         &preparation(known.prepared()).structure->checks
+                     ? 1
+                     : 0;
     }
     EXPECT_EQ(changes > 0, file != "delta") << file;
     EXPECT_EQ(analyses, 0) << file;
@@ -269,14 +272,15 @@ TEST(Redundant, AnotherSetKeepsThePlan) {
   int others = 0;
   for (std::int64_t k = 0; k < scene.time().steps(); ++k) {
     ASSERT_TRUE(simulator.step().ok());
-    const Prepared& now = simulator.prepared();
-    if (now.structure->checks == first.structure->checks) continue;
+    const Prepared prepared = simulator.prepared();
+    const Preparation& now = preparation(prepared);
+    if (now.structure->checks == preparation(first).structure->checks) continue;
     ++others;
     ASSERT_EQ(now.plan.choices.size(), now.structure->classes.size());
-    EXPECT_EQ(now.structure->formulation, first.structure->formulation);
-    EXPECT_EQ(solvers(now.plan), solvers(first.plan));
-    EXPECT_EQ(now.plan.reason, first.plan.reason);
-    EXPECT_EQ(now.plan.expected_seconds, first.plan.expected_seconds);
+    EXPECT_EQ(now.structure->formulation, first.structure().formulation());
+    EXPECT_EQ(solvers(now.plan), solvers(first.plan()));
+    EXPECT_EQ(now.plan.reason, first.plan().reason);
+    EXPECT_EQ(now.plan.expected_seconds, first.plan().expected_seconds);
     for (const Plan::Choice& c : now.plan.choices) EXPECT_EQ(c.shape.n, now.structure->classes[c.group_class].n);
   }
   EXPECT_GT(others, 0);

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "plan/preparation.hpp"
 #include "references/planar.hpp"
 #include "references/stewart.hpp"
 #include "references/tables.hpp"
@@ -141,7 +142,7 @@ TEST(ReferenceMotion, KeepsTheLengthsOfRings) {
 TEST(ReferenceMotion, LeavesOutRedundantEquations) {
   const Scene scene = sample("bricard:middle=0,swing=0.5");
   const Prepared prepared = prepare(scene);
-  ASSERT_EQ(prepared.structure->checks.size(), 1U);
+  ASSERT_EQ(preparation(prepared).structure->checks.size(), 1U);
   ReferenceMotion motion(prepared);
   motion.advance(1.3);
   for (int i = 0; i < 6; ++i) {
@@ -188,7 +189,7 @@ void expect_about(const ForwardError& figures, const Motion& deviation) {
 
 Motion deviation(const Prepared& prepared, const Trajectory& trajectory,
                  const std::function<Posture<QuadJet>(double)>& closed_form) {
-  Deviation out(trajectory, prepared.structure->system->unit(1));
+  Deviation out(trajectory, preparation(prepared).structure->system->unit(1));
   for (std::size_t k = 0; k < trajectory.rows(); ++k) {
     for (const auto& [name, at] : closed_form(trajectory.times()[k])) {
       if (name.find('.') == std::string::npos) out.add(k, name, at);

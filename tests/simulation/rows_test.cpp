@@ -28,7 +28,7 @@ TEST(Rows, FindOutput) {
     return out;
   };
   const auto found = [&](const char* name) {
-    const OutputColumns c = find_output(columns, name);
+    const OutputHandle c = find_output(columns, name);
     return text(c.value(row)) + "| " + text(c.rate(row)) + "| " + text(c.acceleration(row));
   };
   EXPECT_EQ(found("m"), "0 | 1 | ");
@@ -162,7 +162,7 @@ TEST(Print, EveryValueHasAText) {
   EXPECT_EQ(report.substr(0, report.find('\n')), "ok, reached t = 1 s");
   EXPECT_NE(report.find("4 steps"), std::string::npos) << report;
   EXPECT_NE(report.find("residuals: position"), std::string::npos) << report;
-  EXPECT_EQ(text(simulator.prepared().plan), "class 0: groups/eigen+predict=past:2 (forced)\n");
+  EXPECT_EQ(text(simulator.prepared().plan()), "class 0: groups/eigen+predict=past:2 (forced)\n");
   simulator.reset();
   const std::string jacobian = text(simulator.jacobian());
   EXPECT_NE(jacobian.find("rocker_angle"), std::string::npos);

@@ -13,6 +13,7 @@
 #include "assur/ensemble.hpp"
 #include "assur/simulator.hpp"
 #include "numbers.hpp"
+#include "plan/preparation.hpp"
 #include "program/group_step.hpp"
 #include "scene/shipped_files.hpp"
 #include "simulation/random_count.hpp"
@@ -33,7 +34,7 @@ bool same_bits(std::span<const double> a, std::span<const double> b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), test::same_bits);
 }
 
-bool only_small_groups(const Structure& structure) {
+bool only_small_groups(const GroupedSystem& structure) {
   return std::all_of(structure.classes.begin(), structure.classes.end(), has_group_step);
 }
 
@@ -82,7 +83,7 @@ bool expect_same_bits_together(const Scene& scene) {
 
 // Machine code and kernels agree; and if all groups are small, so do all numbers of lanes. True if they are.
 bool expect_same_bits(const Scene& scene) {
-  const bool small = only_small_groups(*with(scene, "irreducible/lanes", false).structure);
+  const bool small = only_small_groups(*preparation(with(scene, "irreducible/lanes", false)).structure);
   const Outcome one = run(scene, "lanes", false);
   for (const char* lanes : {"lanes", "lanes:2", "lanes:4", "lanes:8", "lanes:16"}) {
     SCOPED_TRACE(scene.name() + " " + lanes);
@@ -260,9 +261,9 @@ TEST(SameBits, WhereTheTimeForCodeEnds) {
   b.drive("motor", DrivenCoordinate{"J0.angle", Law::polynomial({0, 1})}).time(0, 0.2, 0.01);
   const Scene scene = b.build();
   const Prepared prepared = with(scene, "irreducible/lanes", true);
-  EXPECT_EQ(prepared.structure->classes.size(), kWheels);
+  EXPECT_EQ(preparation(prepared).structure->classes.size(), kWheels);
   Simulator by_code(prepared);
-  if (prepared.code) {
+  if (preparation(prepared).code) {
     // "AVX2, 18 of 300 groups"; later simulators find the code of earlier ones and make more.
     EXPECT_NE(by_code.machine_code().find(" of 300 groups"), std::string::npos) << by_code.machine_code();
   }
@@ -281,7 +282,7 @@ TEST(SameBits, MembersOfTiles) {
   int served = 0;
   for (const auto& file : test::shipped_files()) {
     const Scene scene = read_scene(file);
-    if (!only_small_groups(*with(scene, "irreducible/lanes", true).structure)) continue;
+    if (!only_small_groups(*preparation(with(scene, "irreducible/lanes", true)).structure)) continue;
     SCOPED_TRACE(file.string());
     std::vector<Scene> members;
     for (std::size_t m = 0; m < kMembers; ++m) {

@@ -16,6 +16,7 @@
 #include "references/posture.hpp"
 #include "simulation/conditions.hpp"
 #include "source_dir.hpp"
+#include "structure/grouped_system.hpp"
 
 namespace assur::test {
 
@@ -94,9 +95,9 @@ inline Point3 heading(const QuadJet& angle) { return {cos(angle), sin(angle), Qu
 
 // Sizes of the groups by level, each level in ascending order.
 using Levels = std::vector<std::vector<int>>;
-inline Levels sizes_of_groups(const Structure& structure) {
+inline Levels sizes_of_groups(const GroupedSystem& structure) {
   Levels sizes(static_cast<std::size_t>(structure.levels));
-  for (const Group& g : structure.groups) sizes[static_cast<std::size_t>(g.level)].push_back(g.of);
+  for (const SolvedGroup& g : structure.groups) sizes[static_cast<std::size_t>(g.level)].push_back(g.of);
   for (auto& level : sizes) std::sort(level.begin(), level.end());
   return sizes;
 }
@@ -105,7 +106,7 @@ inline Levels sizes_of_groups(const Structure& structure) {
 // of its laws.
 inline void expect_groups(const Scene& scene, const Levels& sizes, std::size_t classes, std::int64_t mobility) {
   EXPECT_TRUE(scene.warnings().empty());
-  const Structure s = analyze(scene.with_outputs({"all"}));
+  const GroupedSystem s = group_equations(scene.with_outputs({"all"}));
   EXPECT_EQ(sizes_of_groups(s), sizes);
   EXPECT_EQ(s.classes.size(), classes);
   EXPECT_EQ(s.mobility, mobility);
@@ -134,7 +135,7 @@ class ClosedForm {
   template <class At>
   ClosedForm(const Scene& shipped, double gain, const At& at)
       : scene_(shipped.with_outputs({"all"})), times_(grid_of(scene_)), conditions_(both_conditions(scene_, times_)) {
-    unit_ = std::ldexp(1, analyze(scene_).system->length_exponent);
+    unit_ = std::ldexp(1, group_equations(scene_).system->length_exponent);
     scale_ = gain * unit_;
     for (const double t : times_) expected_.push_back(at(t));
     for (const Expected& e : expected_) {

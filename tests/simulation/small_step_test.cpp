@@ -8,6 +8,7 @@
 #include <random>
 
 #include "motion/layout.hpp"
+#include "plan/preparation.hpp"
 #include "program/group_step.hpp"
 #include "program/step_rules.hpp"
 #include "simulation/same_run.hpp"
@@ -43,8 +44,8 @@ void expect_the_same_step(const Scene& scene, const std::string& strategy) {
   SCOPED_TRACE(scene.name() + " " + strategy);
   const std::shared_ptr<StepCode> code = step_code();
   const Prepared prepared = prepare(scene, {strategy, {}});
-  const Structure& structure = *prepared.structure;
-  Layout layout = lay_out(prepared);
+  const GroupedSystem& structure = *preparation(prepared).structure;
+  Layout layout = lay_out(preparation(prepared));
   State wanted(layout.size);
   std::mt19937 random(7);
   std::uniform_real_distribution<double> number(-1, 1);
@@ -149,9 +150,10 @@ TEST(SmallStep, EqualsTheStepOfGroupSolver) {
 TEST(SmallStep, SharesMachineCode) {
   PrepareOptions on{.strategy = "irreducible/lanes:8"}, off = on;
   off.machine_code = false;
-  const Prepared p = prepare(sample("stewart"), on);
+  const Prepared prepared = prepare(sample("stewart"), on);
+  const Preparation& p = preparation(prepared);
   EXPECT_EQ(p.code != nullptr, step_code() != nullptr);
-  EXPECT_EQ(prepare(sample("stewart"), off).code, nullptr);
+  EXPECT_EQ(preparation(prepare(sample("stewart"), off)).code, nullptr);
   if (!p.code) GTEST_SKIP() << "this processor or this build has no machine code";
   const GroupClass& c = p.structure->classes[0];
   const BlockConditions blocks(c, 8);

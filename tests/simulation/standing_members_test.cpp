@@ -81,7 +81,7 @@ TEST(StandingMembers, AreSolvedInLanes) {
     }
   }
   Ensemble chosen(standing_four_bar(), table.names, table.values, in_lanes("auto"));
-  EXPECT_GT(chosen.prepared().plan.lanes, 1) << "the plan fills lanes with members";
+  EXPECT_GT(chosen.prepared().plan().lanes, 1) << "the plan fills lanes with members";
 }
 
 TEST(StandingMembers, KeepTheirPostureInAllRows) {
@@ -220,7 +220,7 @@ TEST(ImpossibleMembers, AllOfThemAreOutcomes) {
   const std::vector<double> possible = table.values;
   for (std::size_t i = 0; i < 20; ++i) table.values[3 * i + 1] = 7;
   Ensemble e(standing_four_bar(), table.names, table.values, in_lanes());
-  EXPECT_EQ(e.prepared().name, "standing");
+  EXPECT_EQ(e.prepared().name(), "standing");
   for (int again = 0; again < 2; ++again) {
     const EnsembleTrajectory motion = e.run();
     EXPECT_EQ(motion.columns(), (std::vector<std::string>{"C.x", "C.y", "psi", "psi.rate", "psi.acceleration"}));
@@ -252,7 +252,7 @@ TEST(ImpossibleMembers, OfASceneThatIsImpossibleAsWritten) {
   EXPECT_TRUE(std::isnan(summary(3, 0).last));
   for (const Ensemble::Outcome& o : e.outcomes()) EXPECT_EQ(o.status.code, Code::not_assembled);
   e.bind(possible);
-  EXPECT_EQ(e.prepared().name, "standing");
+  EXPECT_EQ(e.prepared().name(), "standing");
   const EnsembleTrajectory motion = e.run();
   EXPECT_TRUE(e.report().fallbacks.empty());
   for (std::size_t i = 0; i < 20; ++i) EXPECT_NEAR(motion(i, 0, 0), FourBars(20).joint(i)[0], 1e-13);

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "plan/preparation.hpp"
 #include "references/stewart.hpp"
 #include "simulation/deviation.hpp"
 
@@ -139,7 +140,7 @@ TEST(Stewart, HandlesNeedNoDerivativesAndNoDeeperBlocks) {
     EXPECT_TRUE(std::isnan(r.report().error.acceleration));
     EXPECT_LE(r.report().error.position, 1e-14);
 
-    const Structure& structure = *r.simulator.prepared().structure;
+    const GroupedSystem& structure = *preparation(r.simulator.prepared()).structure;
     EXPECT_EQ(structure.left_out.levels.size(), structure.groups.size());
     for (const LeftOut::Level& level : structure.left_out.levels) {
       EXPECT_EQ(level.derivatives, 0) << level.group;
@@ -164,7 +165,7 @@ TEST(Stewart, ListsDerivativesThatOnlyThePredictorNeeds) {
     expect_work(r.counters(), w, true);
     EXPECT_EQ(r.counters().stored_values, 6 * 1001);
     EXPECT_GT(r.report().error.acceleration, 0);
-    const Structure& structure = *r.simulator.prepared().structure;
+    const GroupedSystem& structure = *preparation(r.simulator.prepared()).structure;
     EXPECT_EQ(structure.left_out.levels.size(), structure.groups.size());
     for (const LeftOut::Level& level : structure.left_out.levels) {
       EXPECT_EQ(level.derivatives, 2) << level.group;
@@ -173,7 +174,8 @@ TEST(Stewart, ListsDerivativesThatOnlyThePredictorNeeds) {
   }
   // taylor:1 needs velocities but no accelerations.
   const Result r = test::run(handles, "groups/" + test::sparse() + "+predict=taylor:1");
-  for (const LeftOut::Level& level : r.simulator.prepared().structure->left_out.levels) EXPECT_EQ(level.derivatives, 1);
+  for (const LeftOut::Level& level : preparation(r.simulator.prepared()).structure->left_out.levels)
+    EXPECT_EQ(level.derivatives, 1);
   EXPECT_TRUE(std::isnan(r.report().error.acceleration));
   EXPECT_GT(r.report().error.velocity, 0);
 }

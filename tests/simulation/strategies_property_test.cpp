@@ -1,6 +1,7 @@
 // All strategies give the same motion of all mechanisms, within bounds from residuals and conditions of postures.
 #include <gtest/gtest.h>
 
+#include "plan/preparation.hpp"
 #include "scene/shipped_files.hpp"
 #include "simulation/conditions.hpp"
 #include "simulation/limited.hpp"
@@ -102,7 +103,8 @@ TEST(Strategies, AllGiveTheSameMotionOfShippedScenes) {
     const Scene whole = read_scene(file);
     const TimeGrid grid = whole.time();
     const Scene scene = whole.with_time({grid.start, grid.start + 10 * grid.step, grid.step});
-    if (prepare(scene).structure->groups.empty()) continue;  // nothing moves, so that no strategy solves anything
+    if (preparation(prepare(scene)).structure->groups.empty())
+      continue;  // nothing moves, so that no strategy solves anything
     ++moving;
     const double condition = worst_condition(scene);
     for (const std::string& strategy : every_kind_of_strategy()) {

@@ -3,6 +3,7 @@
 
 #include <numbers>
 
+#include "plan/preparation.hpp"
 #include "references/perturb.hpp"
 #include "references/planar.hpp"
 #include "references/tables.hpp"
@@ -49,12 +50,12 @@ TEST(Andrews, FollowsTheTableOverAWholeTurn) {
 
 TEST(Andrews, HasThreeDyadsOnTwoLevels) {
   const Prepared prepared = prepare(sample("andrews"), {"groups/eigen", {}});
-  const Structure& s = *prepared.structure;
+  const GroupedSystem& s = *preparation(prepared).structure;
   ASSERT_EQ(s.groups.size(), 3u);
   EXPECT_EQ(s.levels, 2);
   EXPECT_EQ(s.groups[0].name, "E");
   EXPECT_EQ(s.groups[0].level, 0);
-  for (const Group& g : s.groups) EXPECT_EQ(g.unknowns.size(), 2u);
+  for (const SolvedGroup& g : s.groups) EXPECT_EQ(g.unknowns.size(), 2u);
   for (std::size_t g : {1u, 2u}) EXPECT_EQ(s.groups[g].level, 1);
 }
 

@@ -5,10 +5,12 @@
 #include <set>
 
 #include "decimal.hpp"
+#include "plan/preparation.hpp"
 #include "runs/chunks.hpp"
 #include "scene/shipped_files.hpp"
 #include "simulation/conditions.hpp"
 #include "simulation/limited.hpp"
+#include "simulation/simulator_access.hpp"
 
 namespace assur {
 namespace {
@@ -275,9 +277,10 @@ TEST(TimeChunks, RepeatAChunkThatStartsOnTheWrongBranch) {
       for (std::size_t c = 0; c < 4; ++c) {
         const double t = times[grid.first[c]];
         ASSERT_TRUE(good.step(t).ok() && bad.step(t).ok());
-        starts.push_back({prepared.structure->system, posture_of(wrong.contains(c) ? bad : good), t, {}});
+        starts.push_back(
+            {preparation(prepared).structure->system, SimulatorAccess::posture(wrong.contains(c) ? bad : good), t, {}});
       }
-      const ChunkedRun r = run_in_chunks(prepared, {}, times, grid, starts, {});
+      const ChunkedRun r = run_in_chunks(preparation(prepared), {}, times, grid, starts, {});
       EXPECT_TRUE(r.status.ok());
       ASSERT_EQ(r.rows, times.size());
       // A wrong chunk does not meet its correct neighbours. Only the wrong chunk is repeated.

@@ -12,6 +12,7 @@
 #include "groups/coupling.hpp"
 #include "index.hpp"
 #include "numbers.hpp"
+#include "plan/preparation.hpp"
 #include "scene/shipped_files.hpp"
 #include "simulation/conditions.hpp"
 #include "simulation/limited.hpp"
@@ -102,7 +103,7 @@ TEST(Together, MovesShippedScenesAsLevelsDoOrSaysWhyNot) {
     const Scene whole = read_scene(file);
     const TimeGrid grid = whole.time();
     const Scene scene = whole.with_time({grid.start, grid.start + 20 * grid.step, grid.step});
-    if (prepare(scene).structure->groups.empty()) continue;
+    if (preparation(prepare(scene)).structure->groups.empty()) continue;
     if (const std::string why = refusal(scene, kTogether); !why.empty()) {
       EXPECT_NE(why.find("needs groups of up to 24 unknowns"), why.npos) << why;
       continue;
@@ -192,7 +193,7 @@ TEST(Together, MovesTowersAsLevelsDo) {
     const Scene scene = test::tower(dimension, 11, dimension == 2 ? 3 : 1);
     std::int32_t most = 0;
     const Prepared prepared = prepare(scene, {kTogether, {}});
-    for (const GroupClass& c : prepared.structure->classes) most = std::max(most, c.n);
+    for (const GroupClass& c : preparation(prepared).structure->classes) most = std::max(most, c.n);
     EXPECT_EQ(most, dimension == 2 ? 4 : 9);
     for (const std::string with : {"irreducible/lanes:4+together", kTogether, "irreducible/lanes:16+together"}) {
       ASSERT_EQ(refusal(scene, with), "");

@@ -17,6 +17,7 @@
 #include "equations/system.hpp"
 #include "executors/step_code.hpp"
 #include "numbers.hpp"
+#include "plan/preparation.hpp"
 #include "scene/shipped_files.hpp"
 #include "simulation/random_mechanisms.hpp"
 #include "simulation/same_run.hpp"
@@ -75,9 +76,9 @@ class WholeStepTest : public testing::Test {
     code_ = std::make_shared<CountingCode>(step_code());
   }
   Simulator simulator(const Scene& scene, const std::string& strategy, const StepSettings& settings = {}) {
-    Prepared prepared = prepare(scene, {.strategy = strategy});
+    Preparation prepared = preparation(prepare(scene, {.strategy = strategy}));
     prepared.code = code_;
-    return Simulator(std::move(prepared), settings);
+    return Simulator(Preparation::shared(std::move(prepared)), settings);
   }
   std::shared_ptr<CountingCode> code_;
 };

@@ -3,6 +3,7 @@
 
 #include <numbers>
 
+#include "plan/preparation.hpp"
 #include "simulation/run.hpp"
 
 namespace assur {
@@ -31,7 +32,7 @@ TEST(RelativeLaws, CountFromTheWrittenPosture) {
                           .time(0, 1, 0.25)
                           .build();
   const test::Result r = test::run(scene);
-  EXPECT_TRUE(r.simulator.prepared().structure->notes.empty());
+  EXPECT_TRUE(preparation(r.simulator.prepared()).structure->notes.empty());
   for (std::size_t k = 0; k < r.trajectory.rows(); ++k) {
     const double t = r.trajectory.times()[k], length = 5 + 0.2 * t, angle = std::atan2(4, 3) + 0.1 * t;
     const auto at = [&](const char* column) { return r.trajectory(k, r.trajectory.index(column)); };

@@ -31,7 +31,7 @@ TEST_P(PoorGuess, LeadsToAPosture) {
   for (unsigned seed = 1; seed <= 40; ++seed) {
     const Scene scene = references::perturbed(sample(name), size, seed);
     for (const Formulation f : {groups, irreducible}) {
-      const Structure s = structure(scene, f);
+      const GroupedSystem s = structure(scene, f);
       EXPECT_EQ(s.cannot_assemble, "") << "seed " << seed;
       EXPECT_LE(look::start_residual(s), 1e-14) << "seed " << seed;
     }
@@ -67,7 +67,7 @@ TEST(AssemblyMode, ADyadStaysOnItsSide) {
   std::uniform_real_distribution<double> x(-1, 3), y(-2, 2);
   for (int i = 0; i < 2000; ++i) {
     const Triple guess = {x(random), y(random), 0};
-    const Structure s = structure(dyad(guess), groups);
+    const GroupedSystem s = structure(dyad(guess), groups);
     ASSERT_EQ(s.cannot_assemble, "");
     EXPECT_GT(look::start(s, "P.y") * guess[1], 0) << guess[0] << ", " << guess[1];
     const double moved = std::hypot(look::start(s, "P.x") - guess[0], look::start(s, "P.y") - guess[1]);
@@ -90,7 +90,7 @@ int sign(const System& s, const std::vector<double>& q) {
 TEST(AssemblyMode, IsReportedExactlyWhenTheDeterminantChangesSign) {
   int crossed = 0, assembled = 0;
   for (unsigned seed = 1; seed <= 100; ++seed) {
-    const Structure s = structure(references::perturbed(sample("gough:posture=10"), 0.4, seed), groups);
+    const GroupedSystem s = structure(references::perturbed(sample("gough:posture=10"), 0.4, seed), groups);
     if (!s.cannot_assemble.empty()) continue;  // some guesses that are off by 40 % lead to no posture
     ++assembled;
     const bool other = sign(*s.system, s.system->guess) != sign(*s.system, s.start);
@@ -107,7 +107,7 @@ TEST(AssemblyMode, IsReportedExactlyWhenTheDeterminantChangesSign) {
 
 TEST(AssemblyMode, IsUndecidableOnTheLine) {
   for (const double x : {0.5, 1.0, 1.4, 3.0}) {
-    const Structure s = structure(dyad({x, 0, 0}), groups);
+    const GroupedSystem s = structure(dyad({x, 0, 0}), groups);
     ASSERT_EQ(s.cannot_assemble, "");
     EXPECT_NE(look::notes(s).find("group P: "), std::string::npos) << look::notes(s);
     EXPECT_NE(look::notes(s).find(kUndecidable), std::string::npos) << x;
@@ -136,7 +136,7 @@ TEST(AssemblyMode, TheGuessDecidesTheSignOfD) {
   for (const Constraint& x : scene.constraints()) b.add(x);
   for (const Driver& x : scene.drivers()) b.add(x);
   b.time(0, 1, 0.01);
-  const Structure s = structure(b.build(), groups);
+  const GroupedSystem s = structure(b.build(), groups);
   EXPECT_EQ(look::notes(s), "");
   EXPECT_NEAR(look::start(s, "d1.x"), -look::start(structure(scene, groups), "d1.x"), 1e-14);
   EXPECT_EQ(look::start(s, "B1.x"), before);
@@ -144,7 +144,7 @@ TEST(AssemblyMode, TheGuessDecidesTheSignOfD) {
 
 // The other point of intersection of the dyad has x = (1.5^2 - 1.2^2 + 2^2) / 4.
 TEST(StartNotes, ReportAPostureFarFromTheGuess) {
-  const Structure s = structure(dyad({-1, 0.1, 0}), groups);
+  const GroupedSystem s = structure(dyad({-1, 0.1, 0}), groups);
   ASSERT_EQ(s.notes.size(), 1u);
   EXPECT_EQ(s.notes[0].where, "/points/P");
   EXPECT_EQ(s.notes[0].what,
@@ -202,7 +202,7 @@ TEST(StartNotes, ReportLawsThatDisagreeWithThePosture) {
       if (posed) group.push_back("C");
       if (declared) b.add(DeclaredGroup{"G", group, false});
       b.drive("motor", c.kind).time(0, 1, 0.1);
-      const Structure s = structure(b.build(), groups);
+      const GroupedSystem s = structure(b.build(), groups);
       EXPECT_EQ(s.cannot_assemble, "");
       ASSERT_FALSE(s.notes.empty()) << c.text;
       EXPECT_EQ(s.notes[0].where, "/drivers/motor");
@@ -261,9 +261,9 @@ TEST(ClosestPosture, SharesTheViolationAmongTheConstraints) {
                           .constrain("PB", Distance{"P", "B", 1.5})
                           .time(0, 1, 0.1)
                           .build();
-  const Structure s = structure(scene, groups);
+  const GroupedSystem s = structure(scene, groups);
   ASSERT_NE(s.cannot_assemble, "");
-  const ClosestPosture closest = closest_posture(s);
+  const ClosestPosture closest = closest_posture(*s.system);
   ASSERT_EQ(closest.violated.size(), 2u);
   for (const ViolatedConstraint& v : closest.violated) {
     EXPECT_TRUE(v.is_length);
@@ -287,7 +287,7 @@ TEST(Assembly, AFrameWithTwoFixedAxesHasTheThird) {
       }
     }
     b.add(Body{"body", "O", names, {}, {}, {}});
-    const Structure s = structure(b.time(0, 1, 0.1).build(), groups);
+    const GroupedSystem s = structure(b.time(0, 1, 0.1).build(), groups);
     EXPECT_EQ(s.cannot_assemble, "");
     EXPECT_TRUE(s.undetermined.empty());
     for (int k = 0; k < 3; ++k) {
@@ -338,7 +338,7 @@ TEST(AssemblyRefused, RefusesATenthOfAPercent) {
   SceneBuilder b("short", 2);
   b.fixed_point("A", {0, 0, 0}).fixed_point("B", {2, 0, 0}).point("P", {1, 0.3, 0});
   b.constrain("left", Distance{"P", "A", 0.999}).constrain("right", Distance{"P", "B", 0.999}).time(0, 1, 0.1);
-  const Structure s = structure(b.build(), groups);
+  const GroupedSystem s = structure(b.build(), groups);
   EXPECT_EQ(s.cannot_assemble.rfind("group P cannot be assembled: '", 0), 0u) << s.cannot_assemble;
   EXPECT_NEAR(violation(s.cannot_assemble), 0.001, 1e-6);  // half of the gap of 0.002, by symmetry, to first order
 }
@@ -350,7 +350,7 @@ TEST(AssemblyRefused, NamesDeclaredGroupAndMetres) {
     b.fixed_point("A", {0, 0, 0}).fixed_point("B", {2 * scale, 0, 0}).point("P", {scale, 0.3 * scale, 0});
     b.constrain("left", Distance{"P", "A", 0.9 * scale}).constrain("right", Distance{"P", "B", 0.9 * scale});
     b.add(DeclaredGroup{"dyad", {"P"}}).time(0, 1, 0.1);
-    const Structure s = structure(b.build(), groups);
+    const GroupedSystem s = structure(b.build(), groups);
     EXPECT_EQ(s.cannot_assemble.rfind("group dyad cannot be assembled: '", 0), 0u) << s.cannot_assemble;
     // The least-squares solution is (1, 0) with |Phi| / |grad Phi| = (1 - 0.9^2) / 2, printed with three digits.
     EXPECT_NEAR(violation(s.cannot_assemble), 0.095 * scale, 1e-4 * scale) << s.cannot_assemble;
@@ -362,7 +362,7 @@ TEST(AssemblyRefused, ADirectionHasNoMetres) {
   SceneBuilder b("turned", 3);
   b.fixed_vector("x", {1, 0, 0}).fixed_vector("y", {0, 1, 0}).vector("u", {0.6, 0.6, 0.5});
   b.constrain("to_x", Dot{"u", "x", 0.9}).constrain("to_y", Dot{"u", "y", 0.9}).time(0, 1, 0.1);
-  const Structure s = structure(b.build(), groups);
+  const GroupedSystem s = structure(b.build(), groups);
   EXPECT_EQ(s.cannot_assemble.rfind("group u cannot be assembled: '", 0), 0u) << s.cannot_assemble;
   EXPECT_EQ(violation(s.cannot_assemble), -1) << s.cannot_assemble;
 }
@@ -370,7 +370,7 @@ TEST(AssemblyRefused, ADirectionHasNoMetres) {
 // These guesses lie on a line of symmetry, where the least-squares iteration stagnates.
 TEST(Assembly, StartsFromALineOfSymmetry) {
   for (const double x : {-1.0, 0.5, 1.0, 1.4, 3.0}) {
-    const Structure s = structure(dyad({x, 0, 0}), groups);
+    const GroupedSystem s = structure(dyad({x, 0, 0}), groups);
     EXPECT_EQ(s.cannot_assemble, "") << x;
     EXPECT_LE(look::start_residual(s), 1e-15) << x;
   }
@@ -381,7 +381,7 @@ TEST(Assembly, StartsFromCoincidentPoints) {
   SceneBuilder b("dyad", 2);
   b.fixed_point("A", {0, 0, 0}).fixed_point("B", {2, 0, 0}).point("P", {0, 0, 0});
   b.constrain("PA", Distance{"P", "A", 1.5}).constrain("PB", Distance{"P", "B", 1.2}).time(0, 1, 0.1);
-  const Structure s = structure(b.build(), groups);
+  const GroupedSystem s = structure(b.build(), groups);
   EXPECT_EQ(s.cannot_assemble, "");
   EXPECT_LE(look::start_residual(s), 1e-15);
 }

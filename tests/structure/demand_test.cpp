@@ -17,7 +17,7 @@ std::vector<std::string> handles(const std::string& part) {
 }
 
 TEST(Demand, HandleAnglesNeedNineOfFifteen) {
-  const Structure s = structure(sample("stewart").with_outputs(handles(".value")), groups);
+  const GroupedSystem s = structure(sample("stewart").with_outputs(handles(".value")), groups);
   ASSERT_EQ(s.groups.size(), 7u);
   EXPECT_EQ(look::solved(s), 12 + 6 * 9);
   EXPECT_EQ(s.left_out.unknowns, 6 * 6);
@@ -25,14 +25,14 @@ TEST(Demand, HandleAnglesNeedNineOfFifteen) {
   EXPECT_TRUE(s.left_out.groups.empty());
   for (int leg = 1; leg <= 6; ++leg) {
     const std::string k = std::to_string(leg);
-    const Group& g = look::group(s, "SG_HS" + k);
+    const SolvedGroup& g = look::group(s, "SG_HS" + k);
     EXPECT_EQ(g.of, 15);
     for (const std::string& u : look::unknowns(s, g)) {
       EXPECT_TRUE(u[0] == 'B' || u[0] == 'e' || u[0] == 'r') << u;
     }
   }
   ASSERT_EQ(s.left_out.levels.size(), 7u);
-  for (const Group& g : s.groups) {
+  for (const SolvedGroup& g : s.groups) {
     EXPECT_EQ(g.derivatives, 0) << g.name;
     EXPECT_EQ(g.wanted_derivatives, 0) << g.name;
     EXPECT_EQ(s.shape(g).rhs, 1);
@@ -44,7 +44,7 @@ TEST(Demand, HandleAnglesNeedNineOfFifteen) {
 }
 
 TEST(Demand, HandleAnglesNeedThreeAfterPresolve) {
-  const Structure s = structure(sample("stewart").with_outputs(handles(".value")), irreducible);
+  const GroupedSystem s = structure(sample("stewart").with_outputs(handles(".value")), irreducible);
   EXPECT_EQ(s.groups.size(), 6u);
   EXPECT_EQ(look::solved(s), 6 * 3);
   EXPECT_EQ(s.levels, 1);
@@ -56,8 +56,8 @@ TEST(Demand, HandleAnglesNeedThreeAfterPresolve) {
 }
 
 TEST(Demand, DerivativesForThePredictorAreListed) {
-  const Structure s = structure(sample("stewart").with_outputs(handles(".value")), groups, 2);
-  for (const Group& g : s.groups) {
+  const GroupedSystem s = structure(sample("stewart").with_outputs(handles(".value")), groups, 2);
+  for (const SolvedGroup& g : s.groups) {
     EXPECT_EQ(g.derivatives, 2) << g.name;
     EXPECT_EQ(g.wanted_derivatives, 0) << g.name;
     EXPECT_EQ(look::class_of(s, g).first_wanted, 0) << g.name;  // the predictor reads all unknowns
@@ -70,8 +70,8 @@ TEST(Demand, DerivativesForThePredictorAreListed) {
 }
 
 TEST(Demand, NeedsOneDerivativeForRates) {
-  const Structure s = structure(sample("stewart").with_outputs(handles(".rate")), groups);
-  for (const Group& g : s.groups) {
+  const GroupedSystem s = structure(sample("stewart").with_outputs(handles(".rate")), groups);
+  for (const SolvedGroup& g : s.groups) {
     EXPECT_EQ(g.derivatives, 1) << g.name;
     EXPECT_EQ(g.wanted_derivatives, 1) << g.name;
   }
@@ -86,8 +86,8 @@ TEST(Demand, KeepComputesAllUnknowns) {
   b.point("Q", {2.5, 1, 0}).constrain("QP", Distance{"Q", "P", {}}).constrain("QB", Distance{"Q", "B", {}});
   b.output("P.position").time(0, 1, 0.01);
   SceneBuilder kept = b, shrunk = b;
-  const Structure k = structure(kept.add(DeclaredGroup{"PQ", {"P", "Q"}, true}).build(), groups);
-  const Structure s = structure(shrunk.add(DeclaredGroup{"PQ", {"P", "Q"}, false}).build(), groups);
+  const GroupedSystem k = structure(kept.add(DeclaredGroup{"PQ", {"P", "Q"}, true}).build(), groups);
+  const GroupedSystem s = structure(shrunk.add(DeclaredGroup{"PQ", {"P", "Q"}, false}).build(), groups);
   EXPECT_EQ(look::group(k, "PQ").unknowns.size(), 4u);
   EXPECT_EQ(k.left_out.unknowns, 0);
   EXPECT_EQ(look::group(s, "PQ").unknowns.size(), 2u);
@@ -110,7 +110,7 @@ TEST(Demand, KeepsAWholeLeg) {
   }
   for (const std::string& x : scene.outputs()) b.output(x);
   b.time(0, 1, 0.01);
-  const Structure s = structure(b.build(), groups);
+  const GroupedSystem s = structure(b.build(), groups);
   EXPECT_EQ(look::group(s, "SG_HS1").unknowns.size(), 9u);
   EXPECT_EQ(look::group(s, "SG_HS2").unknowns.size(), 15u);
   EXPECT_EQ(s.left_out.unknowns, 5 * 6);
@@ -118,13 +118,13 @@ TEST(Demand, KeepsAWholeLeg) {
 
 // Unneeded groups are left out; needed ones are computed up to the needed derivative.
 TEST(Demand, NeedsOneDyadOfAndrews) {
-  const Structure s = structure(sample("andrews").with_outputs({"G.velocity"}), groups);
+  const GroupedSystem s = structure(sample("andrews").with_outputs({"G.velocity"}), groups);
   ASSERT_EQ(s.groups.size(), 2u);
   EXPECT_EQ(s.left_out.groups, std::vector<std::string>{"H"});
   EXPECT_EQ(look::group(s, "G").derivatives, 1);
   EXPECT_EQ(look::group(s, "E").derivatives, 1);
   EXPECT_EQ(s.levels, 2);
-  const Structure e = structure(sample("andrews").with_outputs({"E.position"}), groups);
+  const GroupedSystem e = structure(sample("andrews").with_outputs({"E.position"}), groups);
   EXPECT_EQ(e.left_out.groups, (std::vector<std::string>{"G", "H"}));
   EXPECT_EQ(e.left_out.unknowns, 4);
   EXPECT_EQ(e.levels, 1);
@@ -132,7 +132,7 @@ TEST(Demand, NeedsOneDyadOfAndrews) {
 
 // Each group computes only the derivatives that are needed: G accelerations, H positions, and E those that G needs.
 TEST(Demand, DerivativesDifferByGroup) {
-  const Structure s = structure(sample("andrews").with_outputs({"G.acceleration", "H.position"}), groups);
+  const GroupedSystem s = structure(sample("andrews").with_outputs({"G.acceleration", "H.position"}), groups);
   EXPECT_EQ(look::group(s, "E").derivatives, 2);
   EXPECT_EQ(look::group(s, "G").derivatives, 2);
   EXPECT_EQ(look::group(s, "H").derivatives, 0);
@@ -144,8 +144,8 @@ TEST(Demand, DerivativesDifferByGroup) {
 // Only the acceleration of e1 is an output. All other unknowns of the block need position and velocity only, and come
 // before first_wanted.
 TEST(Demand, LastBackSubstitutionStopsAtWantedUnknowns) {
-  const Structure s = structure(sample("stewart").with_outputs({"e1.acceleration"}), groups);
-  const Group& leg = look::group(s, "SG_HS1");
+  const GroupedSystem s = structure(sample("stewart").with_outputs({"e1.acceleration"}), groups);
+  const SolvedGroup& leg = look::group(s, "SG_HS1");
   const GroupClass& c = look::class_of(s, leg);
   EXPECT_EQ(c.n, 9);
   EXPECT_EQ(c.derivatives, 2);
@@ -160,7 +160,7 @@ TEST(Demand, LastBackSubstitutionStopsAtWantedUnknowns) {
 
 // A group of up to three unknowns is solved in registers, with all derivatives.
 TEST(Demand, SmallGroupsComputeAllDerivatives) {
-  const Structure s = structure(sample("slider_crank").with_outputs({"C"}), irreducible);
+  const GroupedSystem s = structure(sample("slider_crank").with_outputs({"C"}), irreducible);
   ASSERT_EQ(s.groups.size(), 1u);
   const GroupClass& c = look::class_of(s, s.groups[0]);
   EXPECT_EQ(c.n, 3);
@@ -170,7 +170,7 @@ TEST(Demand, SmallGroupsComputeAllDerivatives) {
 
 TEST(Demand, NothingIsLeftOutWithoutOutputs) {
   for (const char* name : {"stewart", "andrews", "four_bar:3", "slider_crank"}) {
-    const Structure s = structure(sample(name), groups);
+    const GroupedSystem s = structure(sample(name), groups);
     EXPECT_EQ(s.left_out.unknowns, 0);
     EXPECT_EQ(s.left_out.equations, 0);
     EXPECT_TRUE(s.left_out.groups.empty());
@@ -188,7 +188,7 @@ TEST(Demand, StaticGroupsAreSolvedOnce) {
   b.point("F", {1, 0.9, 0}).constrain("FA", Distance{"F", "A", 1.25}).constrain("FB", Distance{"F", "B", 1.25});
   b.point("P", {1.5, 1, 0}).constrain("PC", Distance{"P", "C", 1.0}).constrain("PF", Distance{"P", "F", {}});
   b.time(0, 1, 0.01);
-  const Structure s = structure(b.build(), groups);
+  const GroupedSystem s = structure(b.build(), groups);
   ASSERT_EQ(s.groups.size(), 1u);
   EXPECT_EQ(s.groups[0].name, "P");
   EXPECT_EQ(s.groups[0].level, 0);

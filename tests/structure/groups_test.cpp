@@ -14,7 +14,7 @@ using Sizes = std::vector<int>;
 // ---- samples
 
 TEST(Groups, StewartHasItsDeclaredGroups) {
-  const Structure s = structure(sample("stewart"), groups);
+  const GroupedSystem s = structure(sample("stewart"), groups);
   ASSERT_EQ(s.groups.size(), 7u);
   EXPECT_EQ(s.levels, 2);
   EXPECT_EQ(s.classes.size(), 2u);
@@ -24,11 +24,11 @@ TEST(Groups, StewartHasItsDeclaredGroups) {
   EXPECT_TRUE(s.checks.empty());
   EXPECT_EQ(s.derived, 6 * (3 + 3));
 
-  const Group& terminal = look::group(s, "SG_T");
+  const SolvedGroup& terminal = look::group(s, "SG_T");
   EXPECT_EQ(terminal.level, 0);
   EXPECT_EQ(s.shape(terminal), (Shape{12, 39, 1, 3}));
   for (int leg = 1; leg <= 6; ++leg) {
-    const Group& g = look::group(s, "SG_HS" + std::to_string(leg));
+    const SolvedGroup& g = look::group(s, "SG_HS" + std::to_string(leg));
     EXPECT_EQ(g.level, 1);
     EXPECT_EQ(g.of, 15);
     EXPECT_EQ(s.shape(g), (Shape{15, 48, 6, 3}));
@@ -37,8 +37,8 @@ TEST(Groups, StewartHasItsDeclaredGroups) {
 }
 
 TEST(Groups, BlocksOfALegFollowEachOther) {
-  const Structure s = structure(sample("stewart"), groups);
-  const Group& leg = look::group(s, "SG_HS1");
+  const GroupedSystem s = structure(sample("stewart"), groups);
+  const SolvedGroup& leg = look::group(s, "SG_HS1");
   const GroupClass& c = look::class_of(s, leg);
   std::vector<std::set<std::string>> block(3);
   for (std::size_t i = 0; i < leg.unknowns.size(); ++i) {
@@ -51,7 +51,7 @@ TEST(Groups, BlocksOfALegFollowEachOther) {
 }
 
 TEST(Groups, GlobalStewartIsOneGroup) {
-  const Structure s = structure(sample("stewart"), global);
+  const GroupedSystem s = structure(sample("stewart"), global);
   ASSERT_EQ(s.groups.size(), 1u);
   EXPECT_EQ(s.levels, 1);
   EXPECT_EQ(s.shape(s.groups[0]), (Shape{102, 39 + 6 * (48 + 12 + 9), 1, 3}));  // P_k and t_k: rows of O, u, v, w
@@ -60,24 +60,25 @@ TEST(Groups, GlobalStewartIsOneGroup) {
 
 // The irreducible formulation ignores declared groups, so the driven pose vanishes. B and r follow from linear rows.
 TEST(Groups, IrreducibleStewartHasEighteenGroups) {
-  const Structure s = structure(sample("stewart"), irreducible);
+  const GroupedSystem s = structure(sample("stewart"), irreducible);
   EXPECT_EQ(s.unknowns, 6 * 15);
   EXPECT_EQ(s.eliminated, 6 * 6);
   ASSERT_EQ(s.groups.size(), 18u);
   EXPECT_EQ(s.levels, 3);
   EXPECT_EQ(s.classes.size(), 3u);
-  for (const Group& g : s.groups) {
+  for (const SolvedGroup& g : s.groups) {
     EXPECT_EQ(g.unknowns.size(), 3u) << g.name;
     EXPECT_EQ(look::class_of(s, g).blocks, 1);
   }
   for (int level = 0; level < 3; ++level) {
-    EXPECT_EQ(std::count_if(s.groups.begin(), s.groups.end(), [&](const Group& g) { return g.level == level; }), 6);
+    EXPECT_EQ(std::count_if(s.groups.begin(), s.groups.end(), [&](const SolvedGroup& g) { return g.level == level; }),
+              6);
   }
 }
 
 TEST(Groups, AndrewsIsThreeDyadsOnTwoLevels) {
   for (const Formulation f : {groups, irreducible}) {
-    const Structure s = structure(sample("andrews"), f);
+    const GroupedSystem s = structure(sample("andrews"), f);
     ASSERT_EQ(s.groups.size(), 3u);
     EXPECT_EQ(s.levels, 2);
     const auto level = [&](const char* name) { return look::group(s, name).level; };
@@ -89,7 +90,7 @@ TEST(Groups, AndrewsIsThreeDyadsOnTwoLevels) {
 }
 
 TEST(Groups, LoopsInSeriesHaveALevelEach) {
-  const Structure s = structure(sample("four_bar:64"), groups);
+  const GroupedSystem s = structure(sample("four_bar:64"), groups);
   EXPECT_EQ(s.groups.size(), 64u);
   EXPECT_EQ(s.levels, 64);
   EXPECT_EQ(s.classes.size(), 1u);
@@ -101,7 +102,7 @@ TEST(Groups, LoopsInSeriesHaveALevelEach) {
 
 TEST(Groups, RingsHaveThreeNonzerosInEachRow) {
   for (const int n : {12, 18, 60}) {
-    const Structure s = structure(sample("rings:legs=3,terminal=24,n=" + std::to_string(n)), groups);
+    const GroupedSystem s = structure(sample("rings:legs=3,terminal=24,n=" + std::to_string(n)), groups);
     ASSERT_EQ(s.groups.size(), 4u);
     EXPECT_EQ(s.levels, 2);
     EXPECT_EQ(s.shape(look::group(s, "SG_T")).nnz, 3 * 24);
@@ -113,7 +114,7 @@ TEST(Groups, RingsHaveThreeNonzerosInEachRow) {
 }
 
 TEST(Groups, GoughIsAtRest) {
-  const Structure s = structure(sample("gough"), groups);
+  const GroupedSystem s = structure(sample("gough"), groups);
   EXPECT_TRUE(s.groups.empty());
   EXPECT_EQ(s.levels, 0);
   EXPECT_EQ(s.left_out.static_groups, 1);
@@ -128,7 +129,7 @@ TEST(Groups, SamplesHaveTheirMobility) {
       {"hexapod", 6},  {"stewart:platforms=3", 18}, {"almost_parallelogram", 1}};
   for (const auto& [name, mobility] : expected) {
     for (const Formulation f : {global, groups, irreducible}) {
-      const Structure s = structure(sample(name), f);
+      const GroupedSystem s = structure(sample(name), f);
       EXPECT_EQ(s.mobility, mobility) << name;
       EXPECT_TRUE(s.undetermined.empty()) << name;
       EXPECT_TRUE(s.redundant.empty()) << name;
@@ -137,10 +138,10 @@ TEST(Groups, SamplesHaveTheirMobility) {
 }
 
 TEST(Groups, FillCountsLAndU) {
-  const Structure s = structure(sample("four_bar"), groups);
+  const GroupedSystem s = structure(sample("four_bar"), groups);
   EXPECT_EQ(s.fill(s.groups[0]), 4);  // a full 2 x 2 matrix
-  const Structure stewart = structure(sample("stewart"), groups);
-  const Group& leg = look::group(stewart, "SG_HS1");
+  const GroupedSystem stewart = structure(sample("stewart"), groups);
+  const SolvedGroup& leg = look::group(stewart, "SG_HS1");
   EXPECT_GE(stewart.fill(leg), stewart.shape(leg).nnz);
   EXPECT_LE(stewart.fill(leg), 15 * 15);
 }
@@ -179,7 +180,7 @@ TEST(Classes, KeepZeroComponents) {
     b.constrain("dot" + k, Dot{{"C", "P" + k}, k, 1.0});
     b.point("R" + k, {1 + x, y, 0}).constrain("sum" + k, Linear{{{"R" + k, 1}, {"C", -1}}, {x, y, 0}});
   }
-  const Structure s = structure(b.build(), groups);
+  const GroupedSystem s = structure(b.build(), groups);
   const auto class_of = [&](const std::string& name) { return look::group(s, name).group_class; };
   EXPECT_EQ(class_of("Pd+lined.lambda"), class_of("Pe+linee.lambda"));
   EXPECT_EQ(class_of("Rd.x"), class_of("Re.x"));
@@ -202,7 +203,7 @@ TEST(Classes, DependOnRoles) {
                           .constrain("RC", Distance{"R", "C", {}})
                           .constrain("RP", Distance{"R", "P", {}})
                           .build();
-  const Structure s = structure(scene, groups);
+  const GroupedSystem s = structure(scene, groups);
   const auto class_of = [&](const char* name) { return look::group(s, name).group_class; };
   EXPECT_NE(class_of("P"), class_of("Q"));
   EXPECT_NE(class_of("Q"), class_of("R"));
@@ -210,7 +211,7 @@ TEST(Classes, DependOnRoles) {
   // If the program may set S, it can move, and Q has the same class as R.
   StructureOptions options;
   options.controlled = {"sx", "sy"};
-  const Structure controlled = analyze(scene, options);
+  const GroupedSystem controlled = group_equations(scene, options);
   EXPECT_EQ(look::group(controlled, "Q").group_class, look::group(controlled, "R").group_class);
 }
 
@@ -225,9 +226,9 @@ SceneBuilder chain() {  // Q needs P, and R needs Q
 }
 
 TEST(DeclaredGroups, AUnionOfBlocksIsOneGroup) {
-  const Structure s = structure(chain().add(DeclaredGroup{"PQ", {"P", "Q"}}).build(), groups);
+  const GroupedSystem s = structure(chain().add(DeclaredGroup{"PQ", {"P", "Q"}}).build(), groups);
   ASSERT_EQ(s.groups.size(), 2u);
-  const Group& pq = look::group(s, "PQ");
+  const SolvedGroup& pq = look::group(s, "PQ");
   EXPECT_EQ(look::unknowns(s, pq), (std::set<std::string>{"P.x", "P.y", "Q.x", "Q.y"}));
   EXPECT_EQ(look::block_sizes(look::class_of(s, pq)), (Sizes{2, 2}));
   EXPECT_EQ(look::group(s, "R").level, 1);

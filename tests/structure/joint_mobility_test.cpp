@@ -214,7 +214,7 @@ void expect_freedoms(Mechanism m, bool count_redundant) {
   const Mechanism::Freedoms wanted = m.freedoms();  // in the posture as written, which may be singular
   std::int64_t mobility = 0;
   for (int order = 0; order < 3; ++order) {
-    const Structure s = analyze(m.scene(order));
+    const GroupedSystem s = group_equations(m.scene(order));
     EXPECT_EQ(s.cannot_assemble, "") << order;
     EXPECT_EQ(s.mobility_at_start, static_cast<std::int64_t>(wanted.mobility)) << order;
     if (order == 0) mobility = s.mobility;

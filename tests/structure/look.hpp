@@ -7,30 +7,31 @@
 #include <string>
 #include <vector>
 
-#include "assur/structure.hpp"
 #include "equations/system.hpp"
+#include "structure/grouped_system.hpp"
 
 namespace assur::look {
 
-inline Structure structure(const Scene& scene, Formulation formulation, int predictor_derivatives = 0) {
+inline GroupedSystem structure(const Scene& scene, Formulation formulation, int predictor_derivatives = 0) {
   StructureOptions options;
   options.formulation = formulation;
   options.predictor_derivatives = predictor_derivatives;
-  return analyze(scene, options);
+  return group_equations(scene, options);
 }
 
-inline const Group& group(const Structure& s, const std::string& name) {
-  const auto found = std::find_if(s.groups.begin(), s.groups.end(), [&](const Group& g) { return g.name == name; });
+inline const SolvedGroup& group(const GroupedSystem& s, const std::string& name) {
+  const auto found =
+      std::find_if(s.groups.begin(), s.groups.end(), [&](const SolvedGroup& g) { return g.name == name; });
   if (found == s.groups.end()) throw std::out_of_range("no group " + name);
   return *found;
 }
 
-inline const GroupClass& class_of(const Structure& s, const Group& group) {
+inline const GroupClass& class_of(const GroupedSystem& s, const SolvedGroup& group) {
   return s.classes.at(static_cast<std::size_t>(group.group_class));
 }
 
 // Names of a group's unknowns, "B1.x".
-inline std::set<std::string> unknowns(const Structure& s, const Group& group) {
+inline std::set<std::string> unknowns(const GroupedSystem& s, const SolvedGroup& group) {
   std::set<std::string> out;
   for (const auto u : group.unknowns) out.insert(s.system->coordinate_name(u));
   return out;
@@ -43,14 +44,14 @@ inline std::vector<int> block_sizes(const GroupClass& c) {
   return size;
 }
 
-inline std::int64_t solved(const Structure& s) {
+inline std::int64_t solved(const GroupedSystem& s) {
   std::int64_t n = 0;
-  for (const Group& g : s.groups) n += static_cast<std::int64_t>(g.unknowns.size());
+  for (const SolvedGroup& g : s.groups) n += static_cast<std::int64_t>(g.unknowns.size());
   return n;
 }
 
 // Start value of "C.x" in SI units, also if presolve has eliminated it.
-inline double start(const Structure& s, const std::string& coordinate) {
+inline double start(const GroupedSystem& s, const std::string& coordinate) {
   const System& system = *s.system;
   const bool is_scalar = system.find_item(coordinate) >= 0;
   const std::size_t dot = coordinate.rfind('.');
@@ -60,7 +61,7 @@ inline double start(const Structure& s, const std::string& coordinate) {
 }
 
 // Worst relative residual of the start posture, solved and checked equations alike.
-inline double start_residual(const Structure& s) {
+inline double start_residual(const GroupedSystem& s) {
   double worst = 0;
   for (Index e = 0; e < static_cast<Index>(s.system->equations.size()); ++e) {
     const double scale = residual_scale(*s.system, e, s.start);
@@ -70,7 +71,7 @@ inline double start_residual(const Structure& s) {
   return worst;
 }
 
-inline std::string notes(const Structure& s) {
+inline std::string notes(const GroupedSystem& s) {
   std::string out;
   for (const Diagnostic& n : s.notes) out += n.what + "\n";
   return out;

@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "assur/scene.hpp"
-#include "assur/structure.hpp"
 #include "backends/allocations.hpp"
+#include "structure/grouped_system.hpp"
 
 namespace assur {
 namespace {
@@ -133,10 +133,10 @@ class ManyBodies : public testing::TestWithParam<Shape> {};
 TEST_P(ManyBodies, HaveTheStructureOfFew) {
   const auto& [name, make, groups, unknowns, is_deep] = GetParam();
   constexpr int kBodies = 20'000;
-  const Structure s = analyze(make(kBodies));
+  const GroupedSystem s = group_equations(make(kBodies));
   const int free = kBodies / 2 * groups - (groups == 2 ? 1 : 0);  // the first body of a chain or star is driven
   ASSERT_EQ(s.groups.size(), static_cast<std::size_t>(free));
-  for (const Group& g : s.groups) ASSERT_EQ(g.of, unknowns) << g.name;
+  for (const SolvedGroup& g : s.groups) ASSERT_EQ(g.of, unknowns) << g.name;
   EXPECT_EQ(s.levels, is_deep ? free : 1);
   EXPECT_TRUE(s.undetermined.empty());
   EXPECT_TRUE(s.redundant.empty());
@@ -145,7 +145,7 @@ TEST_P(ManyBodies, HaveTheStructureOfFew) {
 TEST_P(ManyBodies, AllocationsGrowInProportion) {
   const auto count = [](int bodies) {
     const std::int64_t before = test::allocations();
-    (void)analyze(GetParam().make(bodies));
+    (void)group_equations(GetParam().make(bodies));
     return test::allocations() - before;
   };
   // 8 times as many bodies; a logarithm would make the factor 10.2.

@@ -89,7 +89,7 @@ TEST(Presolve, EliminatesAChainOfLinearEquations) {
     EXPECT_EQ(p.eliminated, 2 * n);
     EXPECT_EQ(p.unknowns.size(), 2u);
     EXPECT_EQ(p.equations.size(), 2u);
-    const Structure s = structure(scene, irreducible);
+    const GroupedSystem s = structure(scene, irreducible);
     EXPECT_EQ(s.cannot_assemble, "");
     for (int i = 1; i <= n; ++i) {
       EXPECT_NEAR(look::start(s, "P" + std::to_string(i) + ".x") - look::start(s, "Q.x"), 0.125 * (n + 1 - i), 1e-15);
@@ -162,8 +162,8 @@ TEST(Presolve, FormulationsAgree) {
   for (const char* name :
        {"stewart", "andrews", "four_bar:10", "slider_crank:offset=0.05", "rings:legs=2,n=24", "gough"}) {
     const Scene scene = references::perturbed(sample(name), 1e-3, 3);
-    const Structure all = structure(scene, global), declared = structure(scene, groups),
-                    small = structure(scene, irreducible);
+    const GroupedSystem all = structure(scene, global), declared = structure(scene, groups),
+                        small = structure(scene, irreducible);
     for (const Item& item : all.system->items) {
       if (item.hidden) continue;
       for (int k = 0; k < item.components; ++k) {

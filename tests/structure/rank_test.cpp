@@ -38,7 +38,7 @@ SceneBuilder parallelogram(double third, double start = 1.0) {
 
 TEST(Rank, AThirdParallelRodIsRedundant) {
   for (const Formulation f : {global, groups, irreducible}) {
-    const Structure s = structure(parallelogram(1).build(), f);
+    const GroupedSystem s = structure(parallelogram(1).build(), f);
     EXPECT_EQ(s.cannot_assemble, "");
     EXPECT_TRUE(s.undetermined.empty());
     ASSERT_EQ(s.redundant.size(), 1u);
@@ -93,7 +93,7 @@ TEST(Rank, AViolatedRedundantEquationStopsTheRun) {
 
 TEST(Rank, NamesATooLongRod) {
   const Scene scene = parallelogram(1 + 1e-3).build();
-  const Structure s = structure(scene, groups);
+  const GroupedSystem s = structure(scene, groups);
   EXPECT_EQ(s.cannot_assemble.rfind("these equations contradict each other: ", 0), 0u) << s.cannot_assemble;
   for (const char* name : {"'rocker'", "'third'"}) EXPECT_NE(s.cannot_assemble.find(name), std::string::npos);
   for (const char* name : {"'PB'", "'PD'"}) EXPECT_EQ(s.cannot_assemble.find(name), std::string::npos);
@@ -102,7 +102,7 @@ TEST(Rank, NamesATooLongRod) {
 
 // Measured lengths agree only up to rounding, which is not a contradiction.
 TEST(Rank, RoundingIsNoContradiction) {
-  const Structure s = structure(parallelogram(1 + 4e-16).build(), groups);
+  const GroupedSystem s = structure(parallelogram(1 + 4e-16).build(), groups);
   EXPECT_EQ(s.cannot_assemble, "");
   EXPECT_EQ(s.redundant.size(), 1u);
 }
@@ -113,7 +113,7 @@ TEST(Rank, HandlesAFixedPointWithThreeRods) {
   b.constrain("PA", Distance{"P", "A", std::sqrt(2.0)}).constrain("PB", Distance{"P", "B", std::sqrt(2.0)});
   b.constrain("PC", Distance{"P", "C", 2.0});
   b.time(0, 1, 0.1);
-  const Structure s = structure(b.build(), groups);
+  const GroupedSystem s = structure(b.build(), groups);
   EXPECT_EQ(s.cannot_assemble, "");
   ASSERT_EQ(s.redundant.size(), 1u);
   EXPECT_EQ(s.redundant[0].constraints, (Names{"PA", "PB", "PC"}));
@@ -123,7 +123,7 @@ TEST(Rank, HandlesAFixedPointWithThreeRods) {
 }
 
 TEST(Rank, SimilarHexagonsAreUndeterminedByTheirLegs) {
-  const Structure s = structure(sample("hexapod:drive=legs"), groups);
+  const GroupedSystem s = structure(sample("hexapod:drive=legs"), groups);
   EXPECT_FALSE(s.undetermined.empty());
   const std::set<std::string> names(s.undetermined.begin(), s.undetermined.end());
   EXPECT_TRUE(names.contains("u.x")) << "the self-motion turns the platform";
@@ -141,7 +141,7 @@ TEST(Rank, AMissingDriverLeavesUnknownsFree) {
   b.constrain("rocker", Distance{"D", "C", 1.3});
   b.point("P", {1, 3, 0}).constrain("PA", Distance{"P", "A", 2.5}).constrain("PD", Distance{"P", "D", 2.5});
   b.time(0, 1, 0.1);
-  const Structure s = structure(b.build(), groups);
+  const GroupedSystem s = structure(b.build(), groups);
   EXPECT_EQ(std::set<std::string>(s.undetermined.begin(), s.undetermined.end()),
             (std::set<std::string>{"B.x", "B.y", "C.x", "C.y"}));
   EXPECT_EQ(s.mobility, 1);
@@ -152,7 +152,7 @@ TEST(Rank, AMissingDriverLeavesUnknownsFree) {
 
 // The point `free` is undetermined. The points with a redundant equation are not.
 TEST(Rank, OnlyAFreePointIsUndetermined) {
-  const Structure s = structure(parallelogram(1).point("free", {1, 1, 0}).build(), groups);
+  const GroupedSystem s = structure(parallelogram(1).point("free", {1, 1, 0}).build(), groups);
   EXPECT_EQ(s.undetermined, (Names{"free.x", "free.y"}));
   EXPECT_EQ(s.redundant.size(), 1u);
   EXPECT_EQ(s.mobility, 3);
@@ -165,7 +165,7 @@ TEST(Rank, ReportsAStartAtAChangePoint) {
   b.fixed_point("A0", {0, 0, 0}).fixed_point("A1", {2, 0, 0}).point("B0", {1, 0, 0}).point("B1", {3, 0, 0});
   b.constrain("coupler", Distance{"B0", "B1", 2.0}).constrain("rocker", Distance{"A1", "B1", 1.0});
   b.drive("motor", PointAngle{"A0", "B0", "", Law::polynomial({0, 1})}).time(0, 1, 0.01);
-  const Structure s = structure(b.build(), groups);
+  const GroupedSystem s = structure(b.build(), groups);
   EXPECT_TRUE(s.redundant.empty());
   EXPECT_TRUE(s.undetermined.empty());
   EXPECT_EQ(s.cannot_assemble, "");
@@ -179,7 +179,7 @@ TEST(Rank, ReportsAStartAtADeadPoint) {
   b.constrain("crank", Distance{"O", "B", 0.1}).constrain("rod", Distance{"B", "C", 0.3});
   b.constrain("rail", FixedCoordinate{"C.y", 0});
   b.drive("piston", DrivenCoordinate{"C.x", Law::polynomial({0.4, 0, -0.05})}).time(0, 1, 0.01);
-  const Structure s = structure(b.build(), groups);
+  const GroupedSystem s = structure(b.build(), groups);
   EXPECT_TRUE(s.redundant.empty());
   EXPECT_TRUE(s.undetermined.empty());
   EXPECT_EQ(s.cannot_assemble, "");
@@ -200,7 +200,7 @@ TEST(Mobility, OfADeltaRobotIsThreeForAllDrivers) {
   pose.drive("p", Pose{"plate", {zero, zero, Law::polynomial({delta.height(0.2), -0.05})}, {zero, zero, zero}});
   EXPECT_EQ(structure(motors.time(0, 1, 0.1).build(), groups).mobility, 3);
   EXPECT_EQ(structure(free.time(0, 1, 0.1).build(), groups).mobility, 3);
-  const Structure s = structure(pose.time(0, 1, 0.1).build(), groups);
+  const GroupedSystem s = structure(pose.time(0, 1, 0.1).build(), groups);
   EXPECT_EQ(s.cannot_assemble, "");
   EXPECT_EQ(s.mobility, 3);
   EXPECT_EQ(s.mobility_at_start, 3);
@@ -215,7 +215,7 @@ TEST(Mobility, OfAPointWithDistanceAndCoordinateIsZero) {
   b.fixed_point("A", {0, 0, 0}).point("B", {0.6, 0.8, 0});
   b.constrain("link", Distance{"A", "B", 1.0}).constrain("wall", FixedCoordinate{"B.x", std::cos(0.9)});
   b.drive("m", PointAngle{"A", "B", "", Law::constant(0.9)});
-  const Structure s = structure(b.time(0, 1, 0.1).build(), groups);
+  const GroupedSystem s = structure(b.time(0, 1, 0.1).build(), groups);
   EXPECT_EQ(s.mobility, 0);
   EXPECT_EQ(s.mobility_at_start, 0);
 }
@@ -234,7 +234,7 @@ TEST(Mobility, OfAWishboneWithARodIsOne) {
       b.drive("m", DrivenCoordinate{"B.z", Law::polynomial({0.1, 0.1})});
       b.constrain("twice", EqualDistance{"A1", "B", "A2", "B"});
     }
-    const Structure s = structure(b.time(0, 1, 0.1).build(), groups);
+    const GroupedSystem s = structure(b.time(0, 1, 0.1).build(), groups);
     EXPECT_EQ(s.cannot_assemble, "");
     EXPECT_EQ(s.mobility, 1) << driven_by_slider;
     EXPECT_EQ(s.mobility_at_start, 1) << driven_by_slider;
@@ -252,7 +252,7 @@ TEST(Mobility, OfAFlatParallelogramIsTwoAndElsewhereOne) {
     } else {
       b.constrain("crank", Distance{"A0", "B0", 1.0});
     }
-    const Structure s = structure(b.time(0, 1, 0.01).build(), groups);
+    const GroupedSystem s = structure(b.time(0, 1, 0.01).build(), groups);
     EXPECT_EQ(s.mobility, 1) << driven;
     EXPECT_EQ(s.mobility_at_start, 2) << driven;
   }
@@ -262,7 +262,7 @@ TEST(Mobility, OfAFlatParallelogramIsTwoAndElsewhereOne) {
 
 TEST(Redundancies, AreDistinguished) {
   // The third rod of a parallelogram is always redundant; a rod that only fits at the start is not.
-  const Structure always = structure(parallelogram(1).build(), groups);
+  const GroupedSystem always = structure(parallelogram(1).build(), groups);
   ASSERT_EQ(always.redundant.size(), 1u);
   EXPECT_EQ(always.redundant[0].kind, Redundancy::Kind::structural);
   EXPECT_EQ(look::notes(always), "");
@@ -274,7 +274,7 @@ TEST(Redundancies, AreDistinguished) {
   b.constrain("stay", Distance{"F", "C"});  // keeps the length that it has at the start
   SceneBuilder at_once = b;
   at_once.drive("motor", PointAngle{"A", "B", "", Law::polynomial({1, 1})});
-  const Structure refused = structure(at_once.time(0, 1, 0.1).build(), groups);
+  const GroupedSystem refused = structure(at_once.time(0, 1, 0.1).build(), groups);
   EXPECT_EQ(refused.cannot_assemble.rfind("the mechanism cannot move: '", 0), 0u) << refused.cannot_assemble;
   EXPECT_NE(refused.cannot_assemble.find("at t = 0.1 s it is violated by "), std::string::npos);
 
@@ -282,7 +282,7 @@ TEST(Redundancies, AreDistinguished) {
   slowly.front() = slowly.back() = 1;
   b.drive("motor", PointAngle{"A", "B", "", Law::polynomial(slowly)});
   const Scene scene = b.time(0, 1, 0.1).build();
-  const Structure once = structure(scene, groups);
+  const GroupedSystem once = structure(scene, groups);
   ASSERT_EQ(once.redundant.size(), 1u);
   EXPECT_EQ(once.redundant[0].kind, Redundancy::Kind::start);
   EXPECT_GT(once.redundant[0].violation, 1e-12);
@@ -314,7 +314,7 @@ TEST(Redundancies, AreNotJudgedBySingularPostures) {
   b.constrain("b1", Distance{"B", "F"}).constrain("b2", Distance{"C", "F"});
   b.drive("m", PointAngle{"A", "B", "", Law::polynomial({std::numbers::pi / 2, 2 * std::numbers::pi})});
   for (const double step : {1.0 / 3, 1.0 / 4, 1.0 / 16, 0.01}) {
-    const Structure s = structure(SceneBuilder(b).time(0, 1, step).build(), groups);
+    const GroupedSystem s = structure(SceneBuilder(b).time(0, 1, step).build(), groups);
     ASSERT_EQ(s.redundant.size(), 1u) << step;
     EXPECT_EQ(s.redundant[0].kind, Redundancy::Kind::structural) << step;
     EXPECT_EQ(look::notes(s), "") << step;
@@ -327,7 +327,7 @@ Scene bricard() { return sample("bricard:middle=0,swing=0.5,step=0.02,steps=100"
 
 TEST(Rank, BricardHasOneRedundantEquation) {
   for (const Formulation f : {global, groups, irreducible}) {
-    const Structure s = structure(bricard(), f);
+    const GroupedSystem s = structure(bricard(), f);
     EXPECT_EQ(s.cannot_assemble, "");
     EXPECT_TRUE(s.undetermined.empty());
     EXPECT_EQ(s.equations, s.unknowns + 1);

@@ -24,7 +24,7 @@ using Names = std::vector<std::string>;
 constexpr double kPi = std::numbers::pi;
 
 std::vector<RedundantSet> sets_of(const Scene& scene) {
-  const Structure s = analyze(scene);
+  const GroupedSystem s = group_equations(scene);
   EXPECT_EQ(s.cannot_assemble, "");
   EXPECT_TRUE(s.undetermined.empty());
   return redundant_sets(scene, s.redundant);
@@ -101,7 +101,7 @@ TEST(RedundantSets, WorkGrowsInProportionToTheLengthOfAChain) {
   const auto count = [](int loops) {
     const Scene scene = chain(loops, 2);
     const std::int64_t before = test::allocations();
-    const Structure s = analyze(scene);
+    const GroupedSystem s = group_equations(scene);
     const std::vector<RedundantSet> sets = redundant_sets(scene, s.redundant);
     const std::int64_t work = test::allocations() - before;
     EXPECT_EQ(s.cannot_assemble, "");
@@ -109,7 +109,7 @@ TEST(RedundantSets, WorkGrowsInProportionToTheLengthOfAChain) {
     EXPECT_EQ(sets.front().checked.size(), static_cast<std::size_t>(loops));
     EXPECT_EQ(sets.front().named.joints.size(), 5u * static_cast<std::size_t>(loops) + 1);
     for (const Redundancy& r : s.redundant) EXPECT_LE(r.constraints.size(), 4u) << r.dropped;
-    for (const Group& g : s.groups) EXPECT_LE(g.of, 2) << g.name;
+    for (const SolvedGroup& g : s.groups) EXPECT_LE(g.of, 2) << g.name;
     return work;
   };
   const std::int64_t few = count(500), many = count(2000);
@@ -258,7 +258,7 @@ TEST(RedundantSets, ErrorsOfALengthAreRefusedByTheJointsOfTheLoop) {
     for (const double error : {1e-9, -1e-9, 1e-7, 1e-5}) {
       SCOPED_TRACE(error);
       const Scene scene = of.scene(error);
-      const Structure s = analyze(scene);
+      const GroupedSystem s = group_equations(scene);
       EXPECT_EQ(s.cannot_assemble.rfind("the mechanism cannot move: ", 0), 0u) << error << s.cannot_assemble;
       EXPECT_NE(s.cannot_assemble.find(" hold"), std::string::npos) << s.cannot_assemble;
       const std::vector<RedundantSet> sets = redundant_sets(scene, s.redundant);
@@ -274,9 +274,9 @@ TEST(RedundantSets, ErrorsOfALengthAreRefusedByTheJointsOfTheLoop) {
       }
       EXPECT_EQ(look::error(Error::Kind::numerical, [&] { (void)prepare(scene); }), s.cannot_assemble);
     }
-    for (const double error : {1e-4, 1e-2}) EXPECT_NE(analyze(of.scene(error)).cannot_assemble, "") << error;
+    for (const double error : {1e-4, 1e-2}) EXPECT_NE(group_equations(of.scene(error)).cannot_assemble, "") << error;
     for (const double error : {0.0, 1e-13, -1e-13}) {
-      const Structure s = analyze(of.scene(error));
+      const GroupedSystem s = group_equations(of.scene(error));
       EXPECT_EQ(s.cannot_assemble, "") << error;
       for (const Redundancy& r : s.redundant)
         EXPECT_EQ(r.kind, Redundancy::Kind::structural) << error << " " << r.violation << " t " << r.time;
@@ -341,12 +341,12 @@ TEST(RedundantSets, DriversThatContradictALoopAreRefused) {
     b.drive("other", DrivenCoordinate{"A1.angle", Law::polynomial({0, second})});
     return b.time(0, 1, 0.01).build();
   };
-  const Structure s = analyze(driven(0.6));
+  const GroupedSystem s = group_equations(driven(0.6));
   EXPECT_EQ(s.cannot_assemble.rfind("the mechanism cannot move: ", 0), 0u) << s.cannot_assemble;
   EXPECT_NE(s.cannot_assemble.find("driver other"), std::string::npos) << s.cannot_assemble;
   EXPECT_NE(s.cannot_assemble.find("at t = 0.01 s"), std::string::npos) << s.cannot_assemble;
   EXPECT_EQ(look::error(Error::Kind::numerical, [&] { (void)prepare(driven(0.6)); }), s.cannot_assemble);
-  EXPECT_EQ(analyze(driven(0.5)).cannot_assemble, "");
+  EXPECT_EQ(group_equations(driven(0.5)).cannot_assemble, "");
 }
 
 // Joints that contradict each other at the start: the circles of two cranks on one coupler, one of which has another
@@ -359,7 +359,7 @@ TEST(RedundantSets, ContradictionsNameTheJoints) {
   b.joint("C", Revolute{"coupler", "rocker", Triple{1.6, 1.2, 0}, Triple{0, 0, 1}});
   b.joint("D", Revolute{"ground", "rocker", Triple{2, 0, 0}, Triple{0, 0.001, 1}});
   b.drive("motor", DrivenCoordinate{"A.angle", Law::polynomial({0.5, 1})});
-  const Structure s = analyze(b.time(0, 1, 0.01).build());
+  const GroupedSystem s = group_equations(b.time(0, 1, 0.01).build());
   EXPECT_EQ(s.cannot_assemble.rfind("these joints contradict each other: 'A', 'B', 'C', 'D' (", 0), 0u)
       << s.cannot_assemble;
 }

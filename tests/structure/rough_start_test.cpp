@@ -7,12 +7,12 @@
 #include <string>
 #include <vector>
 
-#include "assur/structure.hpp"
 #include "equations/lowering.hpp"
 #include "equations/system.hpp"
 #include "index.hpp"
 #include "source_dir.hpp"
 #include "start/start.hpp"
+#include "structure/grouped_system.hpp"
 
 namespace assur {
 namespace {
@@ -30,7 +30,7 @@ class Rough {
     for (std::size_t c = 0; c < s_.coordinates.size(); ++c) {
       if (s_.coordinates[c].role == Role::unknown) unknowns_.push_back(static_cast<Index>(c));
     }
-    Structure out;
+    GroupedSystem out;
     right_ = assembled(s_.guess, out);
     EXPECT_EQ(out.cannot_assemble, "");
   }
@@ -42,7 +42,7 @@ class Rough {
       std::vector<double> q = right_;
       for (const Index u : unknowns_)
         q[idx(u)] += share * (2 * static_cast<double>(random()) / static_cast<double>(random.max()) - 1);
-      Structure out;
+      GroupedSystem out;
       q = assembled(q, out);
       if (!out.cannot_assemble.empty() || !out.undetermined.empty()) {
         ++counts.refused;
@@ -57,7 +57,7 @@ class Rough {
   }
 
  private:
-  std::vector<double> assembled(const std::vector<double>& q, Structure& out) const {
+  std::vector<double> assembled(const std::vector<double>& q, GroupedSystem& out) const {
     Problem p;
     p.unknowns = unknowns_;
     p.q = q;
@@ -113,7 +113,7 @@ TEST(RoughStart, NamesTheBodyAndTheAmountIfALoopCannotClose) {
   b.joint("C", Revolute{"coupler", "rocker", Triple{0.4, 1}});
   b.joint("D", Revolute{"ground", "rocker", Triple{1, 0}});
   b.drive("motor", DrivenCoordinate{"A.angle", Law::constant(0.5)}).time(0, 1, 0.1);
-  const Structure s = analyze(b.build());
+  const GroupedSystem s = group_equations(b.build());
   const auto names = [&](const std::string& what) { return s.cannot_assemble.find(what) != std::string::npos; };
   EXPECT_TRUE(s.cannot_assemble.starts_with("the start posture cannot be reached: at ")) << s.cannot_assemble;
   EXPECT_TRUE(names("group C meets a fold")) << s.cannot_assemble;
@@ -134,7 +134,7 @@ TEST(RoughStart, NamesTheRodAndTheAmountOfAContradiction) {
   b.constrain("side", Distance{"B", "C", 2}).constrain("left", Distance{"A", "B", 1});
   b.constrain("right", Distance{"D", "C", 1}).constrain("middle", Distance{"E", "M", 1.001});
   b.drive("motor", PointAngle{"A", "B", "", Law::polynomial({1.2, 1})}).time(0, 1, 0.1);
-  const std::string what = analyze(b.build()).cannot_assemble;
+  const std::string what = group_equations(b.build()).cannot_assemble;
   EXPECT_TRUE(what.starts_with("these equations contradict each other: ")) << what;
   const double by = amount(what, "m");
   EXPECT_GE(by, 1e-3 / 4) << what;
@@ -146,7 +146,7 @@ TEST(RoughStart, NamesTheJointAndTheAngle) {
   SceneBuilder b("crossed", 3);
   b.fixed_vector("x", {1, 0, 0}).fixed_vector("tilted", {0.1, 1, 0}).vector("u", {0, 1, 0.1});
   b.constrain("along", Dot{"x", "u", 0.0}).constrain("tilt", Dot{"tilted", "u", 1.0}).time(0, 1, 0.1);
-  const std::string what = analyze(b.build()).cannot_assemble;
+  const std::string what = group_equations(b.build()).cannot_assemble;
   EXPECT_GT(amount(what, "rad"), 1e-3) << what;
 }
 

@@ -20,11 +20,11 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr Formulation groups = Formulation::groups, irreducible = Formulation::irreducible;
 
-Structure start_of(const std::string& text) { return look::structure(parse_scene(text), irreducible); }
+GroupedSystem start_of(const std::string& text) { return look::structure(parse_scene(text), irreducible); }
 
 bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
-void expect_at(const Structure& s, const std::string& point, double x, double y, double within) {
+void expect_at(const GroupedSystem& s, const std::string& point, double x, double y, double within) {
   ASSERT_EQ(s.cannot_assemble, "");
   EXPECT_NEAR(look::start(s, point + ".x"), x, within) << point;
   EXPECT_NEAR(look::start(s, point + ".y"), y, within) << point;
@@ -45,7 +45,7 @@ TEST(StartWay, EndsWhereTheSameMotionEnds) {
   for (const char* law : {R"({"constant": -1.2})", R"({"polynomial": [-1.2, 1.2]})"}) {
     expect_at(slotted_lever(law), "Q", 1.122716825, -0.172901649, 1e-9);
   }
-  const Structure bar = start_of(R"({"assur": 1, "dimension": 2,
+  const GroupedSystem bar = start_of(R"({"assur": 1, "dimension": 2,
     "bodies": {"b0": {}, "b1": {}, "b2": {}},
     "joints": {"J0": {"revolute": ["ground", "b0"], "at": [-0.61, -0.28]},
                "J1": {"revolute": ["b0", "b1"], "at": [-0.44, 0.08]},
@@ -59,7 +59,7 @@ TEST(StartWay, EndsWhereTheSameMotionEnds) {
 
 // Q of a rod about P would fall onto the pivot O if the rod were assembled directly.
 TEST(StartWay, DirectionsDoNotVanish) {
-  const Structure s = start_of(R"({"assur": 1, "dimension": 2,
+  const GroupedSystem s = start_of(R"({"assur": 1, "dimension": 2,
     "points": {"O": {"at": [0, 0], "fixed": true}, "P": {"at": [1, 0], "fixed": true},
                "Q": {"at": [0.5, 0.8660254037844386]}},
     "vectors": {"x": {"at": [1, 0], "fixed": true}},
@@ -80,11 +80,11 @@ std::string four_bar(const std::string& law, const std::string& more = "") {
 }
 
 TEST(StartWay, LaterGroupsFollowTheirInputs) {
-  const Structure s = start_of(four_bar(R"({"polynomial": [0.4, 1]})"));
+  const GroupedSystem s = start_of(four_bar(R"({"polynomial": [0.4, 1]})"));
   expect_at(s, "B", 1.8 * std::cos(0.4), 1.8 * std::sin(0.4), 1e-14);
   expect_at(s, "C", 2.488, 1.258, 1e-3);
   // Angles between points turn the shorter way.
-  const Structure turned = start_of(four_bar(R"({"polynomial": [6.683185307179586, 1]})"));
+  const GroupedSystem turned = start_of(four_bar(R"({"polynomial": [6.683185307179586, 1]})"));
   EXPECT_NEAR(look::start(turned, "C.y"), look::start(s, "C.y"), 1e-12);
 }
 
@@ -99,7 +99,7 @@ TEST(StartWay, AFoldIsRefusedWithItsPlaceAndAnotherPosture) {
                     std::to_string(angle) + "}}}, \"outputs\": [\"C\"]}");
   };
   EXPECT_EQ(rocker(-0.5).cannot_assemble, "");
-  const Structure refused = rocker(-2.5);
+  const GroupedSystem refused = rocker(-2.5);
   const std::string& why = refused.cannot_assemble;
   // The fold is where the coupler and the rocker lie in one line, 2.96 m long.
   const double fold = std::acos((5 - 2.96 * 2.96) / 4), share = 100 * (fold - 2.5) / (2 * kPi - 5);
@@ -112,7 +112,7 @@ TEST(StartWay, AFoldIsRefusedWithItsPlaceAndAnotherPosture) {
 
 // The way passes the flat posture, where the rods could also cross.
 TEST(StartWay, AChangePointIsPassedByTheSmoothContinuation) {
-  const Structure s = start_of(R"({"assur": 1, "dimension": 2,
+  const GroupedSystem s = start_of(R"({"assur": 1, "dimension": 2,
     "points": {"A": {"at": [0, 0], "fixed": true}, "D": {"at": [2, 0], "fixed": true},
                "B": {"at": [0.8775825618903728, 0.479425538604203]}, "C": {"at": [2.8775825618903728, 0.479425538604203]}},
     "constraints": {"coupler": {"distance": ["B", "C"], "value": 2}, "rocker": {"distance": ["D", "C"], "value": 1}},
@@ -123,7 +123,7 @@ TEST(StartWay, AChangePointIsPassedByTheSmoothContinuation) {
 
 // A crank without a length has no angle as written.
 TEST(StartWay, ADriverWithoutAValueTakesThatOfItsLaw) {
-  const Structure s = start_of(R"({"assur": 1, "dimension": 2,
+  const GroupedSystem s = start_of(R"({"assur": 1, "dimension": 2,
     "points": {"A": {"at": [0, 0], "fixed": true}, "B": {"at": [0, 0]}},
     "constraints": {"k": {"distance": ["A", "B"], "value": 1.5}},
     "drivers": {"m": {"angle": ["A", "B"], "law": {"constant": 0.7}}}, "outputs": ["B"]})");
@@ -145,7 +145,7 @@ TEST(StartWay, RedundantLoopsFollowAsInThePlane) {
     s.drive("m", DrivenCoordinate{"A.angle", Law::polynomial({5 * kPi + 0.3, 1})});
     return s.output("C").time(0, 1, 0.01).build();
   };
-  const Structure flat = look::structure(loop(2), groups), in_space = look::structure(loop(3), groups);
+  const GroupedSystem flat = look::structure(loop(2), groups), in_space = look::structure(loop(3), groups);
   ASSERT_EQ(flat.cannot_assemble, "");
   expect_at(in_space, "C", look::start(flat, "C.x"), look::start(flat, "C.y"), 1e-12);
   // The same as half a turn and 0.3 rad: a crank that turns fully counts its turns without an effect.
@@ -199,7 +199,7 @@ TEST(StartWay, PartsWithoutOutputsAreLeftBehind) {
       "drivers": {"m": {"angle": ["A", "B"], "law": {"constant": 2}}}, "outputs": )" +
                     outputs + "}");
   };
-  const Structure all = guided(R"(["B", "F"])"), some = guided(R"(["B"])");
+  const GroupedSystem all = guided(R"(["B", "F"])"), some = guided(R"(["B"])");
   EXPECT_TRUE(has(all.cannot_assemble, "group F meets a fold")) << all.cannot_assemble;
   expect_at(some, "B", std::cos(2), std::sin(2), 1e-15);
   EXPECT_TRUE(has(look::notes(some), "group F cannot follow the drivers")) << look::notes(some);

@@ -7,10 +7,10 @@
 
 #include "decompositions.hpp"
 #include "equations/system.hpp"
+#include "plan/preparation.hpp"
+#include "simulation/simulator_access.hpp"
 
-namespace assur {
-std::vector<double> posture_of(const Simulator& simulator);  // all coordinates, internal units
-}
+namespace assur {}
 
 namespace assur::check {
 namespace {
@@ -21,9 +21,9 @@ constexpr std::int64_t kWork = 4'000'000;    // unknowns cubed x postures
 // The Jacobian of all groups of a structure, with scales of its equations and unknowns.
 class Jacobian {
  public:
-  explicit Jacobian(const Structure& structure) : system_(*structure.system) {
+  explicit Jacobian(const GroupedSystem& structure) : system_(*structure.system) {
     column_.assign(system_.coordinates.size(), -1);
-    for (const Group& g : structure.groups) {
+    for (const SolvedGroup& g : structure.groups) {
       for (const std::int32_t u : g.unknowns) column_[static_cast<std::size_t>(u)] = n_++;
       equations_.insert(equations_.end(), g.equations.begin(), g.equations.end());
     }
@@ -56,18 +56,19 @@ class Jacobian {
 }  // namespace
 
 std::optional<double> worst_condition(const Prepared& prepared, const std::function<bool()>& stop) {
-  const Jacobian jacobian(*prepared.structure);
+  const Jacobian jacobian(*preparation(prepared).structure);
   const std::int64_t n = jacobian.size();
   if (n == 0 || n > kMostUnknowns) return std::nullopt;
   Simulator simulator(prepared);
-  double worst = jacobian.condition(posture_of(simulator));
-  const std::int64_t every = std::max<std::int64_t>(1, n * n * n * prepared.time.steps() / kWork);
+  double worst = jacobian.condition(SimulatorAccess::posture(simulator));
+  const std::int64_t every = std::max<std::int64_t>(1, n * n * n * prepared.time().steps() / kWork);
   (void)simulator.run([&](std::int64_t done, std::int64_t of) {
-    if (done % every == 0 || done == of) worst = std::max(worst, jacobian.condition(posture_of(simulator)));
+    if (done % every == 0 || done == of)
+      worst = std::max(worst, jacobian.condition(SimulatorAccess::posture(simulator)));
     return stop();
   });
   // The last posture may be the nearest to a singularity that ended the motion.
-  worst = std::max(worst, jacobian.condition(posture_of(simulator)));
+  worst = std::max(worst, jacobian.condition(SimulatorAccess::posture(simulator)));
   return std::isfinite(worst) ? std::optional(worst) : std::nullopt;
 }
 

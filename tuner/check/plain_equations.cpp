@@ -12,6 +12,9 @@
 namespace assur::check {
 namespace {
 
+// build() has replaced coordinates by the name of a vector.
+const std::string& axis_name(const Anchor& axis) { return std::get<std::string>(axis); }
+
 constexpr Real kTwoPi = 2 * std::numbers::pi_v<Real>;
 
 struct LawAt {
@@ -153,8 +156,8 @@ PlainEquations::PlainEquations(const Scene& scene) : dimension_(scene.dimension(
     if (const auto* a = std::get_if<AbsoluteAngle>(&m.kind)) {
       s.kind = 0, s.d = ray({a->a, a->b});
     } else if (const auto* b = std::get_if<AngleBetween>(&m.kind)) {
-      s.kind = dimension_ == 3 && b->axis.empty() ? 1 : 2, s.d = ray(b->d), s.e = ray(b->e);
-      if (!b->axis.empty()) s.axis = item(b->axis);
+      s.kind = dimension_ == 3 && axis_name(b->axis).empty() ? 1 : 2, s.d = ray(b->d), s.e = ray(b->e);
+      if (!axis_name(b->axis).empty()) s.axis = item(axis_name(b->axis));
     } else if (const auto* l = std::get_if<MeasuredDistance>(&m.kind)) {
       s.kind = 3, s.d = ray({l->a, l->b});
     } else if (const auto* c = std::get_if<MeasuredCoordinate>(&m.kind)) {
@@ -340,7 +343,7 @@ void PlainEquations::add_driver(const Scene& scene, const Driver& driver) {
       q.kind = Kind::turned_flat;
       return add(std::move(q), 1);
     }
-    q.kind = Kind::turned_about, q.a = item(a->axis);
+    q.kind = Kind::turned_about, q.a = item(axis_name(a->axis));
     const Spatial<Real> d = guess(q.d), n = unit(at_guess_[static_cast<std::size_t>(q.a)]);
     q.value = dot(d, n);
     const Spatial<Real> zero = unit(d - q.value * n);
@@ -348,7 +351,7 @@ void PlainEquations::add_driver(const Scene& scene, const Driver& driver) {
     add(std::move(q), 2);
   } else if (const auto* r = std::get_if<RelativeAngle>(&driver.kind)) {
     q.kind = Kind::relative, q.d = ray(r->d), q.e = ray(r->e);
-    if (!r->axis.empty()) q.a = item(r->axis);
+    if (!axis_name(r->axis).empty()) q.a = item(axis_name(r->axis));
     q.law = add_law(driver, r->law);
     add(std::move(q), 1);
   } else if (const auto* l = std::get_if<DrivenDistance>(&driver.kind)) {

@@ -7,6 +7,7 @@
 #include "check/plain_motion.hpp"
 #include "check/yardstick.hpp"
 #include "decimal.hpp"
+#include "plan/preparation.hpp"
 
 namespace assur::check {
 namespace {
@@ -16,7 +17,7 @@ constexpr int kMoreCare = 8;  // care for a step that is repeated
 class PlainTrueMotion final : public TrueMotion {
  public:
   explicit PlainTrueMotion(const Prepared& prepared)
-      : scene_(prepared.scene->with_outputs({})), motion_(scene_), before_(motion_) {
+      : scene_(prepared.scene()->with_outputs({})), motion_(scene_), before_(motion_) {
     const Simulator everything(prepare(scene_, {.strategy = "irreducible/eigen"}));
     const std::vector<double> row(everything.outputs().begin(), everything.outputs().end());
     double figure = 0;
@@ -32,7 +33,7 @@ class PlainTrueMotion final : public TrueMotion {
         throw Error(Error::Kind::numerical, "the start posture is singular");
     }
     std::vector<PlainEquations::Column> angles;
-    for (const std::string& name : column_names(*prepared.structure->system)) {
+    for (const std::string& name : column_names(*preparation(prepared).structure->system)) {
       columns_.push_back(motion_.equations().column(name));
       angle_.push_back(columns_.back().signed_angle ? static_cast<int>(angles.size()) : -1);
       if (columns_.back().signed_angle) angles.push_back(columns_.back());

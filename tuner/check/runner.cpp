@@ -17,6 +17,7 @@
 #include "check/yardstick.hpp"
 #include "numbers.hpp"
 #include "output/format.hpp"
+#include "plan/preparation.hpp"
 
 namespace assur::check {
 namespace {
@@ -35,8 +36,8 @@ Made made(const Case& c) {
   return out;
 }
 
-bool wants_derivatives(const Structure& s) {
-  return std::any_of(s.groups.begin(), s.groups.end(), [](const Group& g) { return g.wanted_derivatives > 0; });
+bool wants_derivatives(const GroupedSystem& s) {
+  return std::any_of(s.groups.begin(), s.groups.end(), [](const SolvedGroup& g) { return g.wanted_derivatives > 0; });
 }
 
 // Runs one case with all its strategies.
@@ -129,7 +130,7 @@ class CaseRun {
     result_.condition = worst_condition(prepared, options_.stop);
     if (!result_.condition) return;
     const double kappa = *result_.condition;
-    result_.bound = kEps * kappa * (wants_derivatives(*prepared.structure) ? kappa : 1);
+    result_.bound = kEps * kappa * (wants_derivatives(*preparation(prepared).structure) ? kappa : 1);
   }
 
   // Number of rows on the right branch: from its first event on, a run warns that its branch is in doubt.

@@ -6,11 +6,11 @@
 #include <utility>
 
 #include "assur/backend.hpp"
-#include "assur/structure.hpp"
 #include "dispatch/prior.hpp"
 #include "dispatch/strategies.hpp"
 #include "dispatch/together_rules.hpp"
 #include "output/format.hpp"
+#include "structure/grouped_system.hpp"
 
 namespace assur::check {
 namespace {
@@ -43,11 +43,11 @@ Demand demand_of(const Scene& scene, Formulation formulation) {
   StructureOptions options;
   options.formulation = formulation;
   options.predictor_derivatives = 2;
-  const Structure s = analyze(scene, options);
+  const GroupedSystem s = group_equations(scene, options);
   Demand demand;
   std::map<std::pair<std::int32_t, std::int32_t>, int> on_level;
   std::vector<std::int32_t> groups(s.classes.size(), 0);
-  for (const Group& g : s.groups) {
+  for (const SolvedGroup& g : s.groups) {
     demand.side_by_side = std::max(demand.side_by_side, ++on_level[{g.level, g.group_class}]);
     ++groups[static_cast<std::size_t>(g.group_class)];
   }

@@ -17,7 +17,7 @@ struct Selection {
 // lanes, plain and with +once, +refine, +reuse=step and +reuse=run, in each formulation; and every predictor with one
 // backend in each formulation. Strategies that would take more than `seconds`, by operation counts without
 // measurements, are left out. quick: each backend and precision once in each formulation (of three without `groups`),
-// policies and predictors with one of them. Throws like analyze().
+// policies and predictors with one of them. Throws like group_equations().
 [[nodiscard]] Selection select_strategies(const Case& c, const Scene& scene, double seconds, bool quick);
 
 }  // namespace assur::check

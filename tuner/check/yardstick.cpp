@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "numbers.hpp"
+#include "plan/preparation.hpp"
 
 namespace assur::check {
 namespace {
@@ -23,7 +24,7 @@ bool is_signed_angle(const OutputPart& part) {
 class KnownMotion final : public TrueMotion {
  public:
   KnownMotion(const Prepared& prepared, ClosedForm closed_form)
-      : outputs_(wanted_outputs(*prepared.structure->system)), closed_form_(std::move(closed_form)) {}
+      : outputs_(wanted_outputs(*preparation(prepared).structure->system)), closed_form_(std::move(closed_form)) {}
 
   std::vector<long double> row(std::size_t, double t) override {
     std::vector<long double> out;
@@ -81,7 +82,7 @@ std::unique_ptr<TrueMotion> agreed_motion(const Trajectory& trajectory) {
 }
 
 Yardstick::Yardstick(const Prepared& prepared, std::unique_ptr<TrueMotion> motion)
-    : structure_(prepared.structure), motion_(std::move(motion)) {
+    : structure_(preparation(prepared).structure), motion_(std::move(motion)) {
   std::size_t column = 0;
   std::map<std::string_view, std::size_t> angle;
   for (const Output& o : wanted_outputs(*structure_->system)) {

@@ -13,6 +13,7 @@
 #include "assur/simulator.hpp"
 #include "check/closed_forms.hpp"
 #include "equations/outputs.hpp"
+#include "plan/preparation.hpp"
 
 namespace assur::check {
 
@@ -45,7 +46,7 @@ class TrueMotion {
 
 class Yardstick {
  public:
-  // prepared.structure must outlive it.
+  // preparation(prepared).structure must outlive it.
   Yardstick(const Prepared& prepared, std::unique_ptr<TrueMotion> motion);
 
   // Largest error of the outputs and derivatives in the first `rows` rows, defined like ForwardError: max |x - x_true|
@@ -73,7 +74,7 @@ class Yardstick {
   void add_row(const Trajectory& trajectory);
   [[nodiscard]] bool is_far(const Trajectory& trajectory, std::size_t row) const;
 
-  std::shared_ptr<const Structure> structure_;
+  std::shared_ptr<const GroupedSystem> structure_;
   std::unique_ptr<TrueMotion> motion_;
   std::vector<Item> items_;
   std::vector<std::vector<long double>> rows_;  // rows so far

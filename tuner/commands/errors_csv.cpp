@@ -19,7 +19,8 @@ ErrorsCsv::ErrorsCsv(const std::string& file) : file_("--errors", file) {
   file_.stream() << "t,group,residual,estimated,error,condition,iterations,substeps\n";
 }
 
-void ErrorsCsv::write(double t, std::int64_t substeps, const Structure& structure, std::span<const ErrorsRow> rows) {
+void ErrorsCsv::write(double t, std::int64_t substeps, const GroupedSystem& structure,
+                      std::span<const ErrorsRow> rows) {
   std::ostream& out = file_.stream();
   for (const ErrorsRow& row : rows) {
     const GroupFigures& f = row.figures;

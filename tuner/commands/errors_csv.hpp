@@ -25,7 +25,7 @@ class ErrorsCsv {
   explicit ErrorsCsv(const std::string& file);
 
   // substeps: accepted substeps on the way to t.
-  void write(double t, std::int64_t substeps, const Structure& structure, std::span<const ErrorsRow> rows);
+  void write(double t, std::int64_t substeps, const GroupedSystem& structure, std::span<const ErrorsRow> rows);
   void close();
 
  private:

@@ -5,11 +5,11 @@
 
 #include "assur/modes.hpp"
 #include "assur/motion_range.hpp"
-#include "assur/structure.hpp"
 #include "commands/commands.hpp"
 #include "commands/modes_report.hpp"
 #include "commands/structure_report.hpp"
 #include "output/replace_file.hpp"
+#include "structure/grouped_system.hpp"
 
 namespace assur::command {
 namespace {
@@ -49,10 +49,10 @@ int inspect(const Common& common, const InspectOptions& options) {
   if (!options.write.empty()) write(scene, options.write);
   if (options.modes) return inspect_modes(common, scene);
 
-  const Structure structure = analyze(scene, asking_for(options.formulation));
-  const output::Irreducible split = output::irreducible(options.formulation == Formulation::irreducible
-                                                            ? structure
-                                                            : analyze(scene, asking_for(Formulation::irreducible)));
+  const GroupedSystem structure = group_equations(scene, asking_for(options.formulation));
+  const output::Irreducible split = output::irreducible(
+      options.formulation == Formulation::irreducible ? structure
+                                                      : group_equations(scene, asking_for(Formulation::irreducible)));
   const auto range = options.range ? std::optional(motion_range(scene, options.driver)) : std::nullopt;
   if (common.json) {
     output::Json json = to_json(scene, structure, split);

@@ -3,9 +3,9 @@
 
 #include <string_view>
 
-#include "assur/structure.hpp"
 #include "output/json.hpp"
 #include "output/page.hpp"
+#include "structure/grouped_system.hpp"
 
 namespace assur::output {
 

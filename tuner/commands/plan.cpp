@@ -8,6 +8,7 @@
 #include "commands/commands.hpp"
 #include "commands/plan_report.hpp"
 #include "output/replace_file.hpp"
+#include "plan/preparation.hpp"
 
 namespace assur::command {
 namespace {
@@ -23,7 +24,7 @@ void save(const std::string& file, const Prepared& prepared) {
 // Only a simulator knows. It needs more memory than the plan of a large mechanism.
 std::optional<std::string> machine_code_of(const Prepared& prepared, Mode mode) {
   constexpr std::size_t kMostGroups = 10'000;
-  if (mode == Mode::throughput || prepared.structure->groups.size() > kMostGroups) return std::nullopt;
+  if (mode == Mode::throughput || preparation(prepared).structure->groups.size() > kMostGroups) return std::nullopt;
   try {
     return Simulator(prepared).machine_code();
   } catch (const Error&) {  // of the start, which a run will tell
@@ -55,10 +56,10 @@ int plan(const Common& common, const PlanOptions& options) {
                               .messages = known.messages,
                               .candidates = {},
                               .machine_code = machine_code_of(prepared, options.mode)};
-  for (const Plan::Choice& choice : prepared.plan.choices) {
+  for (const Plan::Choice& choice : prepared.plan().choices) {
     std::vector<Candidate>& of_class = summary.candidates.emplace_back(
         candidates(choice.shape, {.model = known.model, .budget = budget, .without = options.without}));
-    for (Candidate& c : of_class) c.strategy.run.formulation = prepared.plan.run.formulation;
+    for (Candidate& c : of_class) c.strategy.run.formulation = prepared.plan().run.formulation;
   }
   if (common.json) {
     output::print(std::cout, to_json(summary));

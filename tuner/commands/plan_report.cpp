@@ -6,6 +6,7 @@
 #include "dispatch/dispatcher.hpp"
 #include "index.hpp"
 #include "output/format.hpp"
+#include "plan/preparation.hpp"
 
 namespace assur::output {
 namespace {
@@ -14,9 +15,9 @@ constexpr std::size_t kMostClasses = 12;  // further ones are only counted
 constexpr std::size_t kMostCandidates = 6;
 
 // The levels with groups of each class.
-std::vector<std::set<std::int32_t>> levels_of_classes(const Structure& s) {
+std::vector<std::set<std::int32_t>> levels_of_classes(const GroupedSystem& s) {
   std::vector<std::set<std::int32_t>> levels(s.classes.size());
-  for (const Group& g : s.groups) levels[idx(g.group_class)].insert(g.level);
+  for (const SolvedGroup& g : s.groups) levels[idx(g.group_class)].insert(g.level);
   return levels;
 }
 
@@ -31,7 +32,7 @@ std::int32_t threads_of(const Plan& plan, std::int32_t level) {
 }
 
 // "2 on 3 of 5 levels"
-std::string threads_text(const Plan& plan, const Structure& s) {
+std::string threads_text(const Plan& plan, const GroupedSystem& s) {
   if (plan.run.threads == 1) return "1";
   std::int32_t shared = 0;
   for (std::int32_t level = 0; level < s.levels; ++level) shared += threads_of(plan, level) > 1 ? 1 : 0;
@@ -39,16 +40,17 @@ std::string threads_text(const Plan& plan, const Structure& s) {
 }
 
 BesideGroups beside_groups_of(const PlanSummary& s) {
-  const Plan& plan = s.prepared.plan;
+  const Plan& plan = s.prepared.plan();
   const auto& p = plan.level_threads;
   const bool alone = !p.empty() && std::all_of(p.begin(), p.end(), [](std::int32_t threads) { return threads == 1; });
-  return beside_groups(*s.prepared.structure, s.model, alone || s.mode == Mode::throughput ? 1 : plan.run.threads);
+  return beside_groups(*preparation(s.prepared).structure, s.model,
+                       alone || s.mode == Mode::throughput ? 1 : plan.run.threads);
 }
 
 void print_expected(Page& page, const PlanSummary& s) {
   const BesideGroups beside = beside_groups_of(s);
-  const double groups = std::max(s.prepared.plan.expected_seconds - beside.around, 0.0);
-  page.fact("expected", duration(s.prepared.plan.expected_seconds) +
+  const double groups = std::max(s.prepared.plan().expected_seconds - beside.around, 0.0);
+  page.fact("expected", duration(s.prepared.plan().expected_seconds) +
                             (s.mode == Mode::throughput ? " for a step of one mechanism" : " for a step"));
   page.fact("", duration(groups) + " groups; " + duration(beside.around) + " laws, predictions, " +
                     counted(beside.outputs, "output"));
@@ -57,8 +59,8 @@ void print_expected(Page& page, const PlanSummary& s) {
 
 void print_classes(Page& page, const PlanSummary& s) {
   using enum Table::Align;
-  const Plan& plan = s.prepared.plan;
-  const auto levels = levels_of_classes(*s.prepared.structure);
+  const Plan& plan = s.prepared.plan();
+  const auto levels = levels_of_classes(*preparation(s.prepared).structure);
   Table table({left, right, right, right, left, right, left});
   table.row({"class", "level", "groups", "unknowns", "strategy", "pack", "origin"});
   for (const Plan::Choice& c : plan.choices) {
@@ -111,8 +113,8 @@ Json json_of(const Candidate& c, std::size_t group_class) {
 }  // namespace
 
 Json to_json(const PlanSummary& s) {
-  const Plan& plan = s.prepared.plan;
-  const Structure& structure = *s.prepared.structure;
+  const Plan& plan = s.prepared.plan();
+  const GroupedSystem& structure = *preparation(s.prepared).structure;
   Json levels = Json::array();
   for (std::int32_t level = 0; level < structure.levels; ++level) {
     levels.push_back({{"level", level}, {"p", threads_of(plan, level)}});
@@ -137,7 +139,7 @@ Json to_json(const PlanSummary& s) {
     for (const Candidate& c : s.candidates[k]) candidates.push_back(json_of(c, k));
   }
   const BesideGroups beside = beside_groups_of(s);
-  return {{"scene", s.prepared.scene->name()},
+  return {{"scene", s.prepared.scene()->name()},
           {"mode", s.mode == Mode::latency ? "latency" : "throughput"},
           {"accuracy", plan.accuracy},
           {"formulation", name(plan.run.formulation)},
@@ -160,15 +162,15 @@ Json to_json(const PlanSummary& s) {
 }
 
 void print(Page& page, const PlanSummary& s) {
-  const Plan& plan = s.prepared.plan;
-  page.title(s.prepared.scene->name());
+  const Plan& plan = s.prepared.plan();
+  page.title(s.prepared.scene()->name());
   page.fact("known", s.model.samples() == 0
                          ? "no samples of this machine; run assur tune"
                          : counted(static_cast<std::int64_t>(s.model.samples()), "sample") + ", " + s.model.source());
   for (const std::string& message : s.messages) page.fact("", message);
   page.gap();
   page.fact("formulation", name(plan.run.formulation));
-  page.fact("threads", threads_text(plan, *s.prepared.structure) + "; " + plan.reason);
+  page.fact("threads", threads_text(plan, *preparation(s.prepared).structure) + "; " + plan.reason);
   if (s.mode == Mode::throughput) page.fact("chunks", grouped(plan.run.chunks) + " of the time grid");
   if (s.machine_code) page.fact("machine code", s.machine_code->empty() ? "none" : *s.machine_code);
   print_expected(page, s);
@@ -183,7 +185,7 @@ void print(Page& page, const PlanSummary& s) {
     if (idx(c.group_class) == kMostClasses) break;
     page.fact(c.group_class == 0 ? "reason" : "", "class " + std::to_string(c.group_class) + ": " + c.reason);
   }
-  const auto levels = levels_of_classes(*s.prepared.structure);
+  const auto levels = levels_of_classes(*preparation(s.prepared).structure);
   for (std::size_t k = 0; k < std::min(s.candidates.size(), kMostClasses); ++k) {
     print_candidates(page, static_cast<std::int32_t>(k), levels[k].size() == 1, s.candidates[k]);
   }

@@ -29,7 +29,7 @@ PrepareOptions step_by_step(PrepareOptions how) {
 }
 
 std::vector<std::string> about(const Prepared& prepared, const RunOptions& options) {
-  const TimeGrid& grid = prepared.time;
+  const TimeGrid& grid = prepared.time();
   const std::string steps = output::counted(grid.steps(), "step") + " of " + output::number(grid.step) + " s from ";
   return {(grid.steps() > 0 ? steps : "One posture at ") + "t = " + output::number(grid.start) + " s; strategy " +
           options.strategy + "; assur " + std::string(db::assur_version()) + "."};
@@ -40,16 +40,16 @@ std::vector<std::string> about(const Prepared& prepared, const RunOptions& optio
 bool write_animation(const Prepared& prepared, const Report& report, PrepareOptions how,
                      const std::vector<ModeChoice>& modes, const RunOptions& options, std::ostream* page,
                      std::ostream* picture, output::Progress& progress) {
-  const Prepared shown = prepare(pictures::with_all_places(*prepared.scene), step_by_step(std::move(how)), modes);
+  const Prepared shown = prepare(pictures::with_all_places(*prepared.scene()), step_by_step(std::move(how)), modes);
   Simulator simulator(shown, settings_of(options));
   std::vector<double> times;
-  for (std::int64_t k = 0; k <= prepared.time.steps(); ++k) times.push_back(prepared.time.time(k));
+  for (std::int64_t k = 0; k <= prepared.time().steps(); ++k) times.push_back(prepared.time().time(k));
 
   const Interrupt interrupt;
   const double begin = measure::StepTimes::steady();
   const bool was_interrupted = report.status.code == Code::interrupted;
   const pictures::Animation animation = pictures::animation_of(prepared, simulator, times, [&](std::int64_t k) {
-    progress.show(measure::StepTimes::steady() - begin, k - 1, prepared.time.steps());
+    progress.show(measure::StepTimes::steady() - begin, k - 1, prepared.time().steps());
     const double t = times[static_cast<std::size_t>(k)];
     return !Interrupt::requested() && !(was_interrupted && t > report.reached);
   });
@@ -75,7 +75,7 @@ void write_refused(const Scene& scene, const PrepareOptions& how, const std::str
   StructureOptions asked;
   asked.controlled = how.controlled;
   const Structure structure = analyze(scene, asked);
-  if (structure.cannot_assemble.empty()) return;
+  if (structure.cannot_assemble().empty()) return;
   output::Replacement page("--animate", file);
   page.stream() << pictures::Animation(scene, structure).page({"assur " + std::string(db::assur_version()) + "."});
   page.put();

@@ -18,6 +18,7 @@
 #include "output/motion_files.hpp"
 #include "output/progress.hpp"
 #include "parallel/free_memory.hpp"
+#include "plan/preparation.hpp"
 
 namespace assur::command {
 namespace {
@@ -61,8 +62,8 @@ constexpr std::int64_t kTried = 200;  // members prepared to estimate the memory
 
 // Throws if the results do not fit into memory, before all members are prepared.
 void check_room(const Prepared& first, std::int64_t members) {
-  const double rows = static_cast<double>(members) * static_cast<double>(first.time.steps() + 1);
-  const auto columns = column_names(*first.structure->system).size();
+  const double rows = static_cast<double>(members) * static_cast<double>(first.time().steps() + 1);
+  const auto columns = column_names(*preparation(first).structure->system).size();
   require_memory(
       rows * static_cast<double>(columns) * sizeof(double),
       output::number(rows) + " times x " + std::to_string(columns) + " values of " + output::counted(members, "member"),
@@ -123,7 +124,7 @@ int run_ensemble(const Common& common, const RunOptions& options) {
   Ensemble ensemble = prepare_all(common, variants, options, how, preparing);
   output::MotionFiles files(options.motion, options.motion_how);
 
-  const std::int64_t steps = ensemble.prepared().scene->time().steps();
+  const std::int64_t steps = ensemble.prepared().scene()->time().steps();
   const std::int64_t member_steps = steps * static_cast<std::int64_t>(variants.size());
   Progress progress(std::cerr, style);
   StepTimes times(0);

@@ -5,6 +5,8 @@
 #include "commands/interrupt.hpp"
 #include "commands/run_parts.hpp"
 #include "measure/true_posture.hpp"
+#include "plan/preparation.hpp"
+#include "simulation/simulator_access.hpp"
 
 namespace assur::command {
 
@@ -19,12 +21,12 @@ namespace {
 
 // The errors of every group at the present posture.
 std::vector<output::ErrorsRow> look(Simulator& simulator, measure::TruePosture* truth, std::int64_t iterations) {
-  const Structure& structure = *simulator.prepared().structure;
-  const std::vector<double> posture = posture_of(simulator);
+  const GroupedSystem& structure = *preparation(simulator.prepared()).structure;
+  const std::vector<double> posture = SimulatorAccess::posture(simulator);
   std::vector<output::ErrorsRow> rows;
   for (const GroupFigures& figures : simulator.examine()) {
     output::ErrorsRow& row = rows.emplace_back(output::ErrorsRow{figures});
-    const Group& group = structure.groups[static_cast<std::size_t>(figures.group)];
+    const SolvedGroup& group = structure.groups[static_cast<std::size_t>(figures.group)];
     if (truth != nullptr) row.error = truth->error(simulator.time(), posture, group.unknowns);
     if (structure.groups.size() == 1) row.iterations = iterations;
   }
@@ -43,7 +45,7 @@ bool write_errors(Simulator& simulator, const RunOptions& options, output::Error
     progress.show(measure::StepTimes::steady() - begin, done, of);
     const Counters now = simulator.report().counters;
     const auto rows = look(simulator, truth ? &*truth : nullptr, now.newton_iterations - before.newton_iterations);
-    csv.write(simulator.time(), now.substeps - before.substeps, *simulator.prepared().structure, rows);
+    csv.write(simulator.time(), now.substeps - before.substeps, *preparation(simulator.prepared()).structure, rows);
     before = now;
     return Interrupt::requested();
   });

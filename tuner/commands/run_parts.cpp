@@ -87,7 +87,7 @@ StepSettings settings_of(const RunOptions& options) {
   return settings;
 }
 
-Simulator::Observer observer(output::Progress& progress, measure::StepTimes& times, std::int64_t steps) {
+Observer observer(output::Progress& progress, measure::StepTimes& times, std::int64_t steps) {
   return [&progress, &times, steps](std::int64_t done, std::int64_t of) {
     if (times.tick()) {
       // The first row is the start posture. Rows of chunks are shown as equal parts of the steps.

@@ -28,7 +28,7 @@ namespace assur::command {
 
 // An observer for run() that shows the progress in `steps` steps and checks for Ctrl-C. If mechanisms run side by side,
 // its rows are not single steps, and `times` only decides when to read the clock.
-[[nodiscard]] Simulator::Observer observer(output::Progress& progress, measure::StepTimes& times, std::int64_t steps);
+[[nodiscard]] Observer observer(output::Progress& progress, measure::StepTimes& times, std::int64_t steps);
 
 // Prints the page, or the JSON object.
 void print(const Common& common, const RunOptions& options, const output::RunSummary& summary);

@@ -8,6 +8,7 @@
 #include "commands/left_out.hpp"
 #include "output/format.hpp"
 #include "output/notes.hpp"
+#include "plan/preparation.hpp"
 #include "status_text.hpp"
 
 namespace assur::output {
@@ -28,8 +29,8 @@ std::optional<double> mean_iterations(const Counters& c) {
 
 // The strategy of a class. Lanes hold mechanisms if these run side by side, and else groups of the class.
 Strategy strategy_of(const Plan::Choice& choice, const RunSummary& s) {
-  Strategy strategy = s.prepared.plan.strategy(choice);
-  if (s.mode == Mode::throughput) strategy.solver.lanes = s.prepared.plan.lanes;
+  Strategy strategy = s.prepared.plan().strategy(choice);
+  if (s.mode == Mode::throughput) strategy.solver.lanes = s.prepared.plan().lanes;
   return strategy;
 }
 
@@ -42,7 +43,7 @@ struct PlanLine {
 };
 
 std::vector<PlanLine> plan_lines(const RunSummary& s) {
-  const Plan& plan = s.prepared.plan;
+  const Plan& plan = s.prepared.plan();
   std::vector<PlanLine> lines;
   std::map<std::pair<std::string, std::string>, std::size_t> place;
   const bool one_each = plan.choices.size() <= kMostRows;
@@ -155,7 +156,7 @@ std::string status_of(const RunSummary& s) {
     return s.members->failures();
   }
   if (code == Code::inaccurate && s.members == nullptr) {
-    const double asked = s.prepared.plan.accuracy;
+    const double asked = s.prepared.plan().accuracy;
     return "done, but inaccurate: estimated errors are " +
            (asked > 0 ? "above the required " + number(asked) : std::string("large"));
   }
@@ -202,7 +203,7 @@ void print_events(Page& page, const Report& report) {
 
 Json to_json(const RunSummary& s) {
   Json plan = Json::array();
-  for (const Plan::Choice& c : s.prepared.plan.choices) {
+  for (const Plan::Choice& c : s.prepared.plan().choices) {
     plan.push_back({{"class", c.group_class},
                     {"n", c.shape.n},
                     {"groups", c.shape.groups},
@@ -221,7 +222,7 @@ Json to_json(const RunSummary& s) {
   }
   const Counters& c = s.report.counters;
   const ErrorFigures& e = s.report.error;
-  Json out = {{"scene", s.prepared.scene->name()},
+  Json out = {{"scene", s.prepared.scene()->name()},
               {"mode", s.mode == Mode::throughput ? "throughput" : "latency"},
               {"strategy", s.strategy},
               {"plan", std::move(plan)},
@@ -246,10 +247,11 @@ Json to_json(const RunSummary& s) {
                 {"forward_acceleration", or_null(e.forward_acceleration)},
                 {"certified_radius", or_null(e.certified_radius)}}},
               {"certificate", s.certificate ? to_json(*s.certificate) : Json(nullptr)},
-              {"left_out", to_json(s.prepared.structure->left_out, s.prepared.structure->formulation)},
+              {"left_out",
+               to_json(preparation(s.prepared).structure->left_out, preparation(s.prepared).structure->formulation)},
               {"status", name(s.report.status.code)},
               {"reached", s.report.reached},
-              {"notes", to_json(notes(*s.prepared.scene, *s.prepared.structure))},
+              {"notes", to_json(notes(*s.prepared.scene(), *preparation(s.prepared).structure))},
               {"events", std::move(events)},
               {"fallbacks", s.report.fallbacks}};
   if (s.members != nullptr) add_members(out, s);
@@ -257,8 +259,8 @@ Json to_json(const RunSummary& s) {
 }
 
 void print(Page& page, const RunSummary& s) {
-  const TimeGrid& time = s.prepared.scene->time();
-  page.title(s.prepared.scene->name() + ": " +
+  const TimeGrid& time = s.prepared.scene()->time();
+  page.title(s.prepared.scene()->name() + ": " +
              (s.members != nullptr ? counted(s.members->all, "member") + ", " : std::string()) +
              counted(s.steps_wanted, "step") + " of " + number(time.step) + " s from t = " + number(time.start) + " s");
   print_plan(page, s);
@@ -267,8 +269,8 @@ void print(Page& page, const RunSummary& s) {
   print_work(page, s.report.counters);
   print_errors(page, s.report.error);
   if (s.certificate) print_certificate(page, *s.certificate);
-  print(page, s.prepared.structure->left_out, s.prepared.structure->formulation);
-  print_notes(page, *s.prepared.scene, *s.prepared.structure);
+  print(page, preparation(s.prepared).structure->left_out, preparation(s.prepared).structure->formulation);
+  print_notes(page, *s.prepared.scene(), *preparation(s.prepared).structure);
   if (s.members != nullptr) print_outcomes(page, *s.members);
   print_events(page, s.report);
   page.fact("status", status_of(s));

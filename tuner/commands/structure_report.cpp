@@ -29,9 +29,9 @@ struct ClassFigures {
   std::int32_t fill = -1;  // -1: the Jacobian is singular at the start posture
 };
 
-std::vector<ClassFigures> class_figures(const Structure& s) {
+std::vector<ClassFigures> class_figures(const GroupedSystem& s) {
   std::vector<ClassFigures> figures(s.classes.size());
-  for (const Group& g : s.groups) {
+  for (const SolvedGroup& g : s.groups) {
     ClassFigures& f = figures[idx(g.group_class)];
     if (f.groups++ == 0) {
       f.first = &g;
@@ -68,19 +68,19 @@ Json to_json(const Limit& l) {
 
 }  // namespace
 
-Irreducible irreducible(const Structure& s) {
+Irreducible irreducible(const GroupedSystem& s) {
   Irreducible out;
   out.groups = static_cast<std::int64_t>(s.groups.size());
   out.eliminated = s.eliminated;
   out.left_out = s.left_out;
-  for (const Group& g : s.groups) ++out.sizes[static_cast<std::int32_t>(g.unknowns.size())];
+  for (const SolvedGroup& g : s.groups) ++out.sizes[static_cast<std::int32_t>(g.unknowns.size())];
   return out;
 }
 
-Json to_json(const Scene& scene, const Structure& s, const Irreducible& split) {
+Json to_json(const Scene& scene, const GroupedSystem& s, const Irreducible& split) {
   const std::vector<ClassFigures> figures = class_figures(s);
   Json groups = Json::array();
-  for (const Group& g : s.groups) {
+  for (const SolvedGroup& g : s.groups) {
     const ClassFigures& f = figures[idx(g.group_class)];
     groups.push_back({{"name", g.name},
                       {"n", g.unknowns.size()},
@@ -140,7 +140,7 @@ Json to_json(const Scene& scene, const Structure& s, const Irreducible& split) {
 namespace {
 
 std::string unknowns_of(const Group& g) {
-  const auto n = static_cast<std::int64_t>(g.unknowns.size());
+  const std::int64_t n = g.n;
   return n == g.of ? grouped(n) : grouped(n) + " of " + grouped(g.of);
 }
 
@@ -151,7 +151,7 @@ std::string up_to(const Group& g) {
   return kNames[idx(std::clamp(g.derivatives, 0, 2))];
 }
 
-void print_counts(Page& page, const Structure& s) {
+void print_counts(Page& page, const GroupedSystem& s) {
   using enum Table::Align;
   Table table({left, right, left});
   const auto row = [&](const char* label, std::int64_t count, const std::string& note = "") {
@@ -173,11 +173,11 @@ void print_counts(Page& page, const Structure& s) {
   page.fact("length", number(s.system->unit(1)) + " m, the characteristic length");
 }
 
-Table group_table(const Structure& s, const std::vector<ClassFigures>& figures) {
+Table group_table(const GroupedSystem& s, const std::vector<ClassFigures>& figures) {
   using enum Table::Align;
   Table table({right, left, right, right, right, right, left});
   table.row({"level", "group", "unknowns", "nonzeros", "fill", "class", "up to"});
-  for (const Group& g : s.groups) {
+  for (const SolvedGroup& g : s.groups) {
     const ClassFigures& f = figures[idx(g.group_class)];
     table.row({std::to_string(g.level), shortened(g.name, kLongestName), unknowns_of(g), grouped(f.nnz), fill_of(f),
                std::to_string(g.group_class), up_to(g)});
@@ -201,7 +201,7 @@ Table class_table(const std::vector<ClassFigures>& figures) {
   return table;
 }
 
-void print_groups(Page& page, const Structure& s, const std::vector<ClassFigures>& figures) {
+void print_groups(Page& page, const GroupedSystem& s, const std::vector<ClassFigures>& figures) {
   if (s.groups.empty()) return;
   page.gap();
   if (s.groups.size() <= kMostRows) {
@@ -241,7 +241,7 @@ std::string sizes_of(const Irreducible& split) {
   return listed(parts);
 }
 
-void print_irreducible(Page& page, const Structure& s, const Irreducible& split) {
+void print_irreducible(Page& page, const GroupedSystem& s, const Irreducible& split) {
   std::string_view label = "irreducible";
   const auto say = [&](const std::string& text) {
     page.fact(label, text);
@@ -289,7 +289,7 @@ std::string said(const Limit& l, const System& s) {
          (l.reaction == Limit::Reaction::end ? ", ends the motion" : ", flags");
 }
 
-void print_findings(Page& page, const Scene& scene, const Structure& s) {
+void print_findings(Page& page, const Scene& scene, const GroupedSystem& s) {
   std::vector<std::string> limits;
   for (const Limit& l : scene.limits()) limits.push_back(said(l, *s.system));
   page.list("limits", limits);
@@ -303,7 +303,7 @@ void print_findings(Page& page, const Scene& scene, const Structure& s) {
 
 }  // namespace
 
-void print(Page& page, const Scene& scene, const Structure& s, const Irreducible& split) {
+void print(Page& page, const Scene& scene, const GroupedSystem& s, const Irreducible& split) {
   page.title(scene.name() + ", " + std::to_string(scene.dimension()) + "D");
   page.gap();
   print_counts(page, s);

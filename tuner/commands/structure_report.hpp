@@ -5,9 +5,9 @@
 #include <map>
 
 #include "assur/motion_range.hpp"
-#include "assur/structure.hpp"
 #include "output/json.hpp"
 #include "output/page.hpp"
+#include "structure/grouped_system.hpp"
 
 namespace assur::output {
 
@@ -19,11 +19,11 @@ struct Irreducible {
 };
 
 // The irreducible groups of a structure in the formulation `irreducible`.
-[[nodiscard]] Irreducible irreducible(const Structure& s);
+[[nodiscard]] Irreducible irreducible(const GroupedSystem& s);
 
-[[nodiscard]] Json to_json(const Scene& scene, const Structure& s, const Irreducible& split);
+[[nodiscard]] Json to_json(const Scene& scene, const GroupedSystem& s, const Irreducible& split);
 
-void print(Page& page, const Scene& scene, const Structure& s, const Irreducible& split);
+void print(Page& page, const Scene& scene, const GroupedSystem& s, const Irreducible& split);
 
 [[nodiscard]] Json to_json(const MotionRange& range);
 void print(Page& page, const MotionRange& range);

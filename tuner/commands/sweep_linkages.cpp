@@ -116,7 +116,7 @@ std::vector<sweep::LinkageRow> rows_of(const sweep::LinkageSet& set, std::int64_
     normalize(path, row.frame, row.curve);
     if (!set.target.empty()) row.distance = shape_distance(row.curve, set.target);
   };
-  report = Fleet(rows.size(), source).run(turn, sink, how);
+  report = Fleet(rows.size(), source).stream(sink, turn, how);
   if (report.interrupted) return {};
   std::erase_if(rows, [](const sweep::LinkageRow& row) { return row.curve.empty(); });
   return rows;
@@ -221,7 +221,7 @@ int sweep_linkages(const Common& common, const SweepOptions& options) {
   sweep::LinkageFile file(options.out, set);
   FleetOptions how;
   how.threads = common.threads > 0 ? common.threads : this_machine().budget().threads;
-  how.stop = [] { return Interrupt::requested(); };
+  how.observer = [](std::int64_t, std::int64_t) { return Interrupt::requested(); };
   Progress progress(std::cerr, common.quiet ? Progress::Style::none : Progress::style_of_standard_error(), "sample");
   const Interrupt interrupt;
   const double begin = measure::StepTimes::steady();

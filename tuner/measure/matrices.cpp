@@ -19,12 +19,12 @@ double entry(std::mt19937_64& random) {
 
 }  // namespace
 
-Matrices jacobians(const Structure& structure, std::int32_t group_class, int most) {
+Matrices jacobians(const GroupedSystem& structure, std::int32_t group_class, int most) {
   const GroupClass& shape = structure.classes[static_cast<std::size_t>(group_class)];
   const auto evaluator = make_evaluator(*structure.system, shape, 1);
   Matrices out{shape.pattern, {}};
   std::vector<double> phi(static_cast<std::size_t>(shape.n));
-  for (const Group& group : structure.groups) {
+  for (const SolvedGroup& group : structure.groups) {
     if (group.group_class != group_class || static_cast<int>(out.values.size()) == most) continue;
     const Posture at = posture(structure, shape, group);
     evaluator->set_inputs(at.coefficients.data(), at.inputs.data());

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "assur/backend.hpp"
-#include "assur/structure.hpp"
+#include "structure/grouped_system.hpp"
 
 namespace assur::measure {
 
@@ -16,7 +16,7 @@ struct Matrices {
 };
 
 // Jacobians of the first groups of a class, `most` at most, at the start posture.
-[[nodiscard]] Matrices jacobians(const Structure& structure, std::int32_t group_class, int most);
+[[nodiscard]] Matrices jacobians(const GroupedSystem& structure, std::int32_t group_class, int most);
 
 // Matrices with random entries in `per_row` places of each column (full if n is smaller), and a permuted diagonal of
 // twice the expected spectral radius of the other entries, so that they are well conditioned at every size.

@@ -15,6 +15,7 @@
 #include "motion/layout.hpp"
 #include "motion/together.hpp"
 #include "parallel/thread_state.hpp"
+#include "plan/preparation.hpp"
 
 namespace assur::measure {
 namespace {
@@ -26,12 +27,12 @@ constexpr std::int64_t kStepsBeforeSteady = 10;  // steps until predictors have 
 
 class Evaluation final : public Workload {
  public:
-  Evaluation(std::shared_ptr<const Structure> structure, std::int32_t group_class, int lanes)
+  Evaluation(std::shared_ptr<const GroupedSystem> structure, std::int32_t group_class, int lanes)
       : structure_(std::move(structure)),
         class_(structure_->classes[idx(group_class)]),
         evaluator_(make_evaluator(*structure_->system, class_, lanes)) {
     std::vector<Posture> postures;
-    for (const Group& group : structure_->groups) {
+    for (const SolvedGroup& group : structure_->groups) {
       if (group.group_class == group_class && static_cast<int>(postures.size()) < lanes) {
         postures.push_back(posture(*structure_, class_, group));
       }
@@ -62,7 +63,7 @@ class Evaluation final : public Workload {
   }
 
  private:
-  std::shared_ptr<const Structure> structure_;
+  std::shared_ptr<const GroupedSystem> structure_;
   const GroupClass& class_;
   std::unique_ptr<Evaluator> evaluator_;
   std::vector<double> coefficients_, inputs_, unknowns_, phi_, jacobian_;
@@ -70,7 +71,8 @@ class Evaluation final : public Workload {
 
 }  // namespace
 
-std::unique_ptr<Workload> evaluation(std::shared_ptr<const Structure> structure, std::int32_t group_class, int lanes) {
+std::unique_ptr<Workload> evaluation(std::shared_ptr<const GroupedSystem> structure, std::int32_t group_class,
+                                     int lanes) {
   return std::make_unique<Evaluation>(std::move(structure), group_class, lanes);
 }
 
@@ -78,22 +80,22 @@ std::unique_ptr<Workload> evaluation(std::shared_ptr<const Structure> structure,
 
 struct PackStep::Impl {
   Impl(const Prepared& p, std::int32_t group_class)
-      : prepared(p), layout(lay_out(prepared)), solver(*layout.solvers[idx(group_class)]) {
-    const bool all_classes = prepared.plan.run.together;
+      : prepared(p), layout(lay_out(preparation(prepared))), solver(*layout.solvers[idx(group_class)]) {
+    const bool all_classes = prepared.plan().run.together;
     for (std::vector<double>& s : state) s.resize(layout.size);
     for (const auto& s : layout.solvers) {
-      if (prepared.code != nullptr && !all_classes) s->use(*prepared.code);
+      if (preparation(prepared).code != nullptr && !all_classes) s->use(*preparation(prepared).code);
     }
     solve_start();
     for (Pack& pack : layout.packs) {
       if (all_classes || pack.group_class == group_class) packs.push_back(&pack);
     }
     if (all_classes) {
-      together = std::make_unique<Together>(prepared, layout, nullptr);
-      if (prepared.code != nullptr) together->use(*prepared.code);
+      together = std::make_unique<Together>(preparation(prepared), layout, nullptr);
+      if (preparation(prepared).code != nullptr) together->use(*preparation(prepared).code);
       together->start({at(0), at(1), at(2)});
     }
-    lanes = all_classes ? prepared.plan.choices[idx(group_class)].solver.lanes : solver.lanes();
+    lanes = all_classes ? prepared.plan().choices[idx(group_class)].solver.lanes : solver.lanes();
     of_class = static_cast<std::size_t>(
         std::count_if(packs.begin(), packs.end(), [&](const Pack* pack) { return pack->group_class == group_class; }));
     // With +together each group is a pack of the layout.
@@ -109,13 +111,13 @@ struct PackStep::Impl {
 
   // Solves the start posture like a simulator; all predictions start from it.
   void solve_start() {
-    const Structure& structure = *prepared.structure;
+    const GroupedSystem& structure = *preparation(prepared).structure;
     double* const q[3] = {at(0), at(1), at(2)};
     for (std::size_t c = 0; c < layout.address.size(); ++c) {
       if (layout.address[c] >= 0) q[0][layout.address[c]] = structure.start[c];
     }
-    Inputs inputs(*structure.system, prepared.controlled);
-    Status status = inputs.drive(prepared.start_time.value_or(prepared.scene->time().start), q);
+    Inputs inputs(*structure.system, prepared.controlled());
+    Status status = inputs.drive(preparation(prepared).start_time.value_or(prepared.scene()->time().start), q);
     for (const auto& s : layout.solvers) s->restart();
     Attempt attempt;
     attempt.branch = Attempt::Branch::start;
@@ -239,10 +241,10 @@ bool Crowd::run(int calls) {
 // ---- step
 
 WholeStep::WholeStep(const Prepared& prepared, const std::vector<int>& cores, int iterations)
-    : pin_to_(prepared.plan.run.threads > 1 && idx(prepared.plan.run.threads) <= cores.size() ? cores
-                                                                                              : std::vector<int>{}),
+    : pin_to_(prepared.plan().run.threads > 1 && idx(prepared.plan().run.threads) <= cores.size() ? cores
+                                                                                                  : std::vector<int>{}),
       simulator_(prepared, {.iterations = iterations, .pin_to = pin_to_}),
-      grid_(prepared.scene->time()) {
+      grid_(prepared.scene()->time()) {
   for (std::int64_t k = 0; k < std::min(kStepsBeforeSteady, grid_.steps()); ++k) {
     if (!advance()) throw Error(Error::Kind::numerical, "the first steps of the motion fail");
   }
@@ -251,7 +253,7 @@ WholeStep::WholeStep(const Prepared& prepared, const std::vector<int>& cores, in
 bool WholeStep::advance() { return simulator_.step(grid_.time(next_++)).arrived(); }
 
 void WholeStep::get_ready(int calls) {
-  if (simulator_.prepared().plan.run.threads > 1) {
+  if (simulator_.prepared().plan().run.threads > 1) {
     repeat_for(pin_to_.empty() ? kUntilSpread : kUntilAwake, [this] { (void)run(4); });
   } else {
     (void)advance();

@@ -15,8 +15,8 @@
 namespace assur::measure {
 
 // set_inputs() and evaluate() of a class over `lanes` lanes at the start posture, with the Jacobian.
-[[nodiscard]] std::unique_ptr<Workload> evaluation(std::shared_ptr<const Structure> structure, std::int32_t group_class,
-                                                   int lanes);
+[[nodiscard]] std::unique_ptr<Workload> evaluation(std::shared_ptr<const GroupedSystem> structure,
+                                                   std::int32_t group_class, int lanes);
 
 // One call solves one pack of a class like an ordinary step: a prediction with a small error, one Newton iteration,
 // velocity and acceleration. The packs of the class take turns, so that all its groups form the working set. With

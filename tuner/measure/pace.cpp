@@ -14,6 +14,7 @@
 #include "dispatch/counts.hpp"
 #include "measure/motion.hpp"
 #include "measure/step_times.hpp"
+#include "plan/preparation.hpp"
 
 namespace assur::measure {
 namespace {
@@ -36,9 +37,10 @@ FixedWork leg_steps() {
   options.strategy = strategy;
   options.budget = ThreadBudget{1};
   const Prepared prepared = prepare(sample("stewart"), options);
-  const GroupClass& legs = prepared.structure->classes[kLegs];
-  const auto groups = std::count_if(prepared.structure->groups.begin(), prepared.structure->groups.end(),
-                                    [](const Group& g) { return g.group_class == kLegs; });
+  const GroupClass& legs = preparation(prepared).structure->classes[kLegs];
+  const auto groups =
+      std::count_if(preparation(prepared).structure->groups.begin(), preparation(prepared).structure->groups.end(),
+                    [](const SolvedGroup& g) { return g.group_class == kLegs; });
   return {Kernel::pack, shape_of(legs, static_cast<std::int32_t>(groups)), parse_strategy(strategy),
           std::make_unique<PackStep>(prepared, kLegs)};
 }

@@ -14,7 +14,7 @@ std::vector<double> gather(const std::vector<std::int32_t>& places, const std::v
 
 }  // namespace
 
-Posture posture(const Structure& structure, const GroupClass& group_class, const Group& group) {
+Posture posture(const GroupedSystem& structure, const GroupClass& group_class, const SolvedGroup& group) {
   Posture out{std::vector<double>(group_class.coefficients.size()), gather(group.inputs, structure.start),
               gather(group.unknowns, structure.start)};
   const std::vector<double> constants = gather(group.constants, structure.system->constants);

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "assur/structure.hpp"
 #include "evaluation/coefficients.hpp"
+#include "structure/grouped_system.hpp"
 
 namespace assur::measure {
 
@@ -13,6 +13,6 @@ struct Posture {
   std::vector<double> inputs, unknowns;
 };
 
-[[nodiscard]] Posture posture(const Structure& structure, const GroupClass& group_class, const Group& group);
+[[nodiscard]] Posture posture(const GroupedSystem& structure, const GroupClass& group_class, const SolvedGroup& group);
 
 }  // namespace assur::measure

@@ -14,6 +14,7 @@
 #include "measure/step_times.hpp"
 #include "measure/ways.hpp"
 #include "median.hpp"
+#include "plan/preparation.hpp"
 
 namespace assur::measure {
 namespace {
@@ -37,7 +38,7 @@ bool is_right(const Report& report) { return report.status.ok() && report.error.
 
 // False if it cannot run or is wrong.
 bool enter(Racer& racer) {
-  if (is_hopeless(racer.prepared.plan)) return false;
+  if (is_hopeless(racer.prepared.plan())) return false;
   try {
     // Each thread has its core, because in a race of many teams the system places threads at random.
     static const std::vector<int> kCores = this_machine().cores;
@@ -62,7 +63,7 @@ void compete(std::vector<Racer*> racers, const RaceRules& rules, const Instrumen
   std::stable_sort(racers.begin(), racers.end(),
                    [](const Racer* a, const Racer* b) { return a->first_seconds < b->first_seconds; });
   std::vector<Runner> runners;
-  for (Racer* r : racers) runners.push_back({.work = r->step.get(), .threads = threads_of(r->prepared.plan)});
+  for (Racer* r : racers) runners.push_back({.work = r->step.get(), .threads = threads_of(r->prepared.plan())});
   (void)race(runners, rules, instruments);
   for (std::size_t i = 0; i < racers.size(); ++i) {
     racers[i]->seconds = runners[i].failed || !is_right(racers[i]->step->report()) ? HUGE_VAL : runners[i].median();
@@ -99,7 +100,7 @@ std::vector<Racer> uniform_racers(const Scene& scene, const Question& q, const Q
     try {
       Racer racer{strategy,
                   prepare(scene, {.strategy = strategy, .budget = ThreadBudget{q.threads}, .model = options.model})};
-      const auto [at, is_new] = place.try_emplace(essence(racer.prepared.plan), racers.size());
+      const auto [at, is_new] = place.try_emplace(essence(racer.prepared.plan()), racers.size());
       if (is_new && enter(racer)) {
         racers.push_back(std::move(racer));
       } else if (is_new) {
@@ -117,20 +118,20 @@ std::vector<Racer> uniform_racers(const Scene& scene, const Question& q, const Q
 // Variants of the fastest strategy with another solver or other lanes for one class.
 std::vector<Racer> mixed_racers(const Racer& fastest, const Question& q, const QuestionOptions& options) {
   std::vector<Racer> racers;
-  const Plan& plan = fastest.prepared.plan;
+  const Plan& plan = fastest.prepared.plan();
   for (std::size_t c = 0; c < plan.choices.size() && plan.choices.size() > 1; ++c) {
     StrategySpace space;
     space.lanes = powers_of_two(std::min(kMostLanes, 2 * plan.choices[c].shape.groups - 1));
     for (const Strategy& s : strategies(space, {.table = backends(), .without = q.without})) {
       if (options.instruments.stop()) return racers;
-      Racer racer{.text = "", .prepared = fastest.prepared};
-      SolverSettings& solver = racer.prepared.plan.choices[c].solver;
+      Preparation changed = preparation(fastest.prepared);
+      SolverSettings& solver = changed.plan.choices[c].solver;
       if (solver.backend == s.solver.backend && solver.lanes == s.solver.lanes) continue;
       if (plan.run.together && !why_not_together(s).empty()) continue;
       solver.backend = s.solver.backend;
       solver.lanes = s.solver.lanes;
       solver.once = false;
-      racer.text = text_of(racer.prepared.plan);
+      Racer racer{text_of(changed.plan), Preparation::shared(std::move(changed))};
       if (enter(racer)) racers.push_back(std::move(racer));
     }
   }
@@ -139,21 +140,22 @@ std::vector<Racer> mixed_racers(const Racer& fastest, const Question& q, const Q
 
 // The combination of the best strategies of all classes.
 std::optional<Racer> combined(const Racer& fastest, const std::vector<Racer>& mixed) {
-  Racer all{"", fastest.prepared};
-  Plan& plan = all.prepared.plan;
+  Preparation best_of_all = preparation(fastest.prepared);
+  Plan& plan = best_of_all.plan;
   bool changed = false;
   for (std::size_t c = 0; c < plan.choices.size(); ++c) {
     double best = fastest.seconds;
     for (const Racer& m : mixed) {
-      const SolverSettings& s = m.prepared.plan.choices[c].solver;
-      if (m.seconds >= best || s == fastest.prepared.plan.choices[c].solver) continue;
+      const SolverSettings& s = m.prepared.plan().choices[c].solver;
+      if (m.seconds >= best || s == fastest.prepared.plan().choices[c].solver) continue;
       best = m.seconds;
       plan.choices[c].solver = s;
       changed = true;
     }
   }
-  all.text = text_of(plan);
-  if (!changed || !enter(all)) return std::nullopt;
+  if (!changed) return std::nullopt;
+  Racer all{text_of(plan), Preparation::shared(std::move(best_of_all))};
+  if (!enter(all)) return std::nullopt;
   return all;
 }
 
@@ -196,7 +198,7 @@ struct Contest::Impl {
 std::optional<Contest> Contest::open(const Question& q, const QuestionOptions& options) {
   const Scene scene = open_scene(q.scene);
   Racer chosen{"", prepare(scene, {.budget = ThreadBudget{q.threads}, .model = options.model, .without = q.without})};
-  chosen.text = text_of(chosen.prepared.plan);
+  chosen.text = text_of(chosen.prepared.plan());
   if (!enter(chosen)) throw Error(Error::Kind::numerical, q.scene + ": " + chosen.text + " fails");
 
   const RaceRules trial{
@@ -225,7 +227,7 @@ std::optional<Contest> Contest::open(const Question& q, const QuestionOptions& o
   Answer& first = impl->first;
   first.question = q;
   first.best_trial_seconds = all[0]->seconds;
-  first.expected_seconds = chosen.prepared.plan.expected_seconds;
+  first.expected_seconds = chosen.prepared.plan().expected_seconds;
   for (const Racer& u : uniform) {
     if (!std::isfinite(u.seconds)) continue;
     first.uniform[u.text] = u.seconds;
@@ -233,11 +235,11 @@ std::optional<Contest> Contest::open(const Question& q, const QuestionOptions& o
   }
   // Leaves out the choice of the dispatcher among the other racers.
   std::vector<Racer>& last = impl->racers;
-  const std::string own = essence(chosen.prepared.plan);
+  const std::string own = essence(chosen.prepared.plan());
   for (Racer* r : all) {
-    if (last.size() < 4 && essence(r->prepared.plan) != own) last.push_back({r->text, r->prepared});
+    if (last.size() < 4 && essence(r->prepared.plan()) != own) last.push_back({r->text, r->prepared});
   }
-  if (together && essence(together->prepared.plan) != own) last.push_back({together->text, together->prepared});
+  if (together && essence(together->prepared.plan()) != own) last.push_back({together->text, together->prepared});
   for (int twice = 0; twice < 2; ++twice) last.push_back({chosen.text, chosen.prepared});
   for (const Racer& r : last) impl->finalists.push_back({.strategy = r.text});
   return Contest(std::move(impl));

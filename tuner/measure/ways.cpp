@@ -38,7 +38,7 @@ std::vector<Way> solvers(const Scene& scene, ThreadBudget budget) {
   StrategySpace space;
   space.formulations = formulations_of(scene);
   space.lanes = {1, kLanes};
-  space.together = why_not_together(analyze(scene, {})).empty();
+  space.together = why_not_together(group_equations(scene, {})).empty();
   if (budget.threads > 1) space.packs = space.threads = {1, budget.threads};
   const auto wanted = [](const Backend& backend, const Strategy& s) {
     const bool irreducible = s.run.formulation == Formulation::irreducible;

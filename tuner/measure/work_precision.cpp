@@ -9,6 +9,7 @@
 #include "assur/machine.hpp"
 #include "measure/motion.hpp"
 #include "numbers.hpp"
+#include "plan/preparation.hpp"
 
 namespace assur::measure {
 namespace {
@@ -17,9 +18,9 @@ constexpr double kWrong = 0.1;  // forward error above which a run has another m
 
 // A prepared way to run the scene. Ways with the same plan share an entrant.
 struct Entrant {
-  WorkPrecisionRow row;
-  Prepared prepared;
-  std::string essence;
+  WorkPrecisionRow row = {};
+  std::optional<Prepared> prepared = std::nullopt;  // empty until enter()
+  std::string essence = {};
   std::uint64_t motion = 0;  // hash of the trajectory
   std::unique_ptr<WholeStep> step = nullptr;
 
@@ -141,10 +142,11 @@ class Comparison {
     e.row = std::move(row);
     try {
       e.prepared = prepare(scene_, how);
-      e.essence = essence(e.prepared.plan) + " " + std::to_string(e.row.iterations);
-      if (e.row.strategy == "auto") e.row.strategy = essence(e.prepared.plan);
-      const bool means_nothing = e.row.iterations > 0 && e.prepared.structure->levels < 2;  // the first level is free
-      if (means_nothing || is_known(e) || is_hopeless(e.prepared.plan)) return;
+      e.essence = essence(e.prepared->plan()) + " " + std::to_string(e.row.iterations);
+      if (e.row.strategy == "auto") e.row.strategy = essence(e.prepared->plan());
+      const bool means_nothing =
+          e.row.iterations > 0 && preparation(*e.prepared).structure->levels < 2;  // the first level is free
+      if (means_nothing || is_known(e) || is_hopeless(e.prepared->plan())) return;
       verify(e);
       if (e.runs() && joins_another(e)) return;
     } catch (const Error& error) {
@@ -184,7 +186,7 @@ class Comparison {
 
   // Computes the whole motion and its true error.
   void verify(Entrant& e) {
-    Simulator simulator(e.prepared, {.iterations = e.row.iterations});
+    Simulator simulator(*e.prepared, {.iterations = e.row.iterations});
     const Trajectory motion = simulator.run([&](auto, auto) { return options_.instruments.stop(); });
     const Report& report = simulator.report();
     e.row.status = name(report.status.code);
@@ -197,7 +199,7 @@ class Comparison {
       e.row.status = "another motion";
       return;
     }
-    e.step = std::make_unique<WholeStep>(e.prepared, cores_, e.row.iterations);
+    e.step = std::make_unique<WholeStep>(*e.prepared, cores_, e.row.iterations);
   }
 
   std::optional<ForwardError> error_of(const Entrant& e, const Trajectory& motion) {
@@ -205,7 +207,7 @@ class Comparison {
     const auto known = errors_.find(e.motion);
     if (known != errors_.end()) return known->second;
     try {
-      return errors_[e.motion] = forward_error(e.prepared, motion);
+      return errors_[e.motion] = forward_error(*e.prepared, motion);
     } catch (const Error& error) {
       if (error.kind() == Error::Kind::input) throw;
       out_.no_yardstick = error.what();

@@ -4,7 +4,7 @@
 
 namespace assur::output {
 
-std::vector<Diagnostic> notes(const Scene& scene, const Structure& structure) {
+std::vector<Diagnostic> notes(const Scene& scene, const GroupedSystem& structure) {
   std::vector<Diagnostic> all = structure.notes;
   all.insert(all.end(), scene.warnings().begin(), scene.warnings().end());
   return all;
@@ -21,7 +21,7 @@ std::vector<std::string> slowed(std::span<const Backend> table) {
   return reasons;
 }
 
-void print_notes(Page& page, const Scene& scene, const Structure& structure) {
+void print_notes(Page& page, const Scene& scene, const GroupedSystem& structure) {
   std::vector<std::string> texts;
   for (const Diagnostic& d : notes(scene, structure)) {
     texts.push_back(d.where.size() > 1 ? d.where + ": " + d.what : d.what);

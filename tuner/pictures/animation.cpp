@@ -17,6 +17,7 @@
 #include "pictures/html.hpp"
 #include "pictures/moving_picture.hpp"
 #include "pictures/packed.hpp"
+#include "plan/preparation.hpp"
 #include "start/closest.hpp"
 #include "status_text.hpp"
 
@@ -84,8 +85,8 @@ std::vector<std::string> moving_places(const Scene& scene) {
 // The points and vectors that are not among the outputs of `shown`.
 std::set<std::string> not_shown(const Prepared& shown) {
   std::set<std::string> columns, missing;
-  for (std::string& name : column_names(*shown.structure->system)) columns.insert(std::move(name));
-  for (std::string& name : moving_places(*shown.scene)) {
+  for (std::string& name : column_names(*preparation(shown).structure->system)) columns.insert(std::move(name));
+  for (std::string& name : moving_places(*shown.scene())) {
     if (columns.count(name + ".x") == 0) missing.insert(std::move(name));
   }
   return missing;
@@ -103,7 +104,7 @@ Scene with_all_places(const Scene& scene) {
   };
   for (;;) {
     Scene all = with(places);
-    const Structure structure = analyze(all);
+    const GroupedSystem structure = group_equations(all);
     const std::set<std::string> free(structure.undetermined.begin(), structure.undetermined.end());
     const System& system = *structure.system;
     const auto is_free = [&](const Term& t) { return free.count(system.coordinate_name(t.coordinate)) != 0; };
@@ -119,9 +120,10 @@ Scene with_all_places(const Scene& scene) {
 }
 
 Animation::Animation(const Prepared& wanted, const Prepared& shown, std::int64_t steps)
-    : name_(wanted.name), drawing_(drawing_of(*wanted.scene, not_shown(shown))), steps_(steps) {
+    : name_(wanted.name()), drawing_(drawing_of(*wanted.scene(), not_shown(shown))), steps_(steps) {
   std::unordered_map<std::string, std::size_t> column;
-  for (const std::string& name : column_names(*shown.structure->system)) column.emplace(name, column.size());
+  for (const std::string& name : column_names(*preparation(shown).structure->system))
+    column.emplace(name, column.size());
   for (std::size_t i = 0; i < drawing_.moving; ++i) {
     for (int k = 0; k < drawing_.dimension; ++k) {
       point_columns_.push_back(column.at(drawing_.points[i].name + "." + "xyz"[k]));
@@ -133,7 +135,7 @@ Animation::Animation(const Prepared& wanted, const Prepared& shown, std::int64_t
     }
   }
   // The requested outputs come before the added positions, so they have the same columns here.
-  shown_ = quantities(*wanted.structure);
+  shown_ = quantities(wanted.structure());
   quantities_ = shown_.size();
   if (shown_.size() > kMostQuantities) shown_.resize(kMostQuantities);
   for (Quantity& q : shown_) {
@@ -150,8 +152,8 @@ Animation::Animation(const Prepared& wanted, const Prepared& shown, std::int64_t
 
 Animation::Animation(const Scene& scene, const Structure& refused)
     : name_(scene.name()), drawing_(drawing_of(scene)), steps_(1), last_(1) {
-  const System& system = *refused.system;
-  const ClosestPosture closest = closest_posture(refused);
+  const System& system = *GroupedSystem::of(refused).system;
+  const ClosestPosture closest = closest_posture(system);
   for (const std::vector<double>* q : {&system.guess, &closest.q}) {
     times_.push_back(static_cast<double>(times_.size()));
     for (std::size_t i = 0; i < drawing_.moving; ++i) {
@@ -174,7 +176,7 @@ Animation::Animation(const Scene& scene, const Structure& refused)
     worst += (worst.empty() ? "" : ", ") + v.name + " by " + output::number(v.by) + (v.is_length ? " m" : "");
   }
   if (violated_.size() > kMostNamed) worst += ", ...";
-  ended_ = "The mechanism cannot be assembled: " + refused.cannot_assemble +
+  ended_ = "The mechanism cannot be assembled: " + refused.cannot_assemble() +
            ". Shown are the guess and the closest posture, which violates " + worst;
 }
 

@@ -7,9 +7,10 @@
 #include <utility>
 #include <variant>
 
-#include "assur/structure.hpp"
 #include "equations/system.hpp"
 #include "index.hpp"
+#include "scene/axes.hpp"
+#include "structure/grouped_system.hpp"
 
 namespace assur::pictures {
 namespace {
@@ -17,7 +18,7 @@ namespace {
 using Kind = Drawing::Kind;
 
 // For each coordinate the group that solves it, or Point::kFixed, kDriven, kResting.
-std::vector<int> solvers(const Structure& structure) {
+std::vector<int> solvers(const GroupedSystem& structure) {
   const System& system = *structure.system;
   using Point = Drawing::Point;
   std::vector<int> solver;
@@ -69,9 +70,9 @@ class Draughtsman {
 
  private:
   void add_points() {
-    const Structure structure = analyze(scene_.with_outputs({}));
+    const GroupedSystem structure = group_equations(scene_.with_outputs({}));
     const System& system = *structure.system;
-    for (const assur::Group& g : structure.groups) out_.groups.push_back({g.name, g.level});
+    for (const assur::SolvedGroup& g : structure.groups) out_.groups.push_back({g.name, g.level});
     const std::vector<int> solver = solvers(structure);
     std::vector<Drawing::Point> fixed;
     const auto add = [&](const std::string& name, const Triple& at, bool is_fixed) {
@@ -180,7 +181,7 @@ class Draughtsman {
   void drive(const std::string& name, const PointAngle& d) {
     link(d.a, d.b, Kind::rod, name);
     driven_points_.insert(find(d.a));
-    if (!d.axis.empty()) hinges_.emplace(find(d.a), direction(d.axis));
+    if (!axis_of(d).empty()) hinges_.emplace(find(d.a), direction(axis_of(d)));
   }
   // A joint between two moving bodies is driven by the angle between its vectors NAME.from and NAME.to; else the angle
   // is that of two links, which may meet in a point.

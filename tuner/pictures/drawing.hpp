@@ -69,7 +69,7 @@ struct Drawing {
 };
 
 // Makes the drawing, without the points and vectors in `left_out`. Groups are those of the formulation `groups` with
-// all outputs. Throws like analyze().
+// all outputs. Throws like group_equations().
 [[nodiscard]] Drawing drawing_of(const Scene& scene, std::set<std::string> left_out = {});
 
 }  // namespace assur::pictures

@@ -8,6 +8,7 @@
 #include "pictures/plot.hpp"
 #include "pictures/quantities.hpp"
 #include "pictures/svg.hpp"
+#include "plan/preparation.hpp"
 
 namespace assur::pictures {
 namespace {
@@ -91,7 +92,7 @@ std::vector<std::string> sentences(const std::vector<Quantity>& all, const std::
 }  // namespace
 
 std::string outputs_over_time(const Prepared& prepared, const Trajectory& trajectory, const std::string& why_ended) {
-  const std::vector<Quantity> all = quantities(*prepared.structure);
+  const std::vector<Quantity> all = quantities(prepared.structure());
   const std::vector<std::string> below = sentences(all, why_ended);
   const std::size_t shown = std::min(all.size(), kMostDiagrams);
   int y = kHead + kLine * static_cast<int>(below.size());
@@ -101,7 +102,7 @@ std::string outputs_over_time(const Prepared& prepared, const Trajectory& trajec
                     "\" viewBox=\"0 0 " + width + " " + height + "\" style=\"max-width:100%;height:auto\">\n<style>\n" +
                     style() + "</style>\n";
   out += "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n";
-  out += svg::text("head", 2, 24, "start", prepared.name);
+  out += svg::text("head", 2, 24, "start", prepared.name());
   for (std::size_t i = 0; i < below.size(); ++i) {
     out += svg::text("faint", 2, kHead + kLine * static_cast<int>(i), "start", below[i]);
   }

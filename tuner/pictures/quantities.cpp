@@ -4,6 +4,7 @@
 #include <array>
 
 #include "equations/outputs.hpp"
+#include "structure/grouped_system.hpp"
 
 namespace assur::pictures {
 namespace {
@@ -28,7 +29,8 @@ std::string title_of(const Output& output, std::size_t derivative) {
 
 }  // namespace
 
-std::vector<Quantity> quantities(const Structure& structure) {
+std::vector<Quantity> quantities(const Structure& of) {
+  const GroupedSystem& structure = GroupedSystem::of(of);
   std::vector<Quantity> all;
   std::size_t column = 0;
   for (const Output& o : wanted_outputs(*structure.system)) {

@@ -33,7 +33,7 @@ Timed time_steps(const Prepared& prepared, const Conditions& conditions) {
   Simulator simulator(prepared);
   std::int64_t k = 0;
   const auto advance = [&] {
-    const Status status = simulator.step(prepared.time.time(++k));
+    const Status status = simulator.step(prepared.time().time(++k));
     if (!status.arrived()) throw Error(Error::Kind::numerical, std::string(kScene) + ": a step failed");
   };
   for (int i = 0; i < kWarm; ++i) advance();
@@ -80,7 +80,7 @@ Section step_histogram(const Knowledge& knowledge, const Conditions& conditions)
   Section out{"steps", "Times of single steps"};
   const Prepared prepared =
       prepare(sample(kScene), {.budget = ThreadBudget{conditions.threads}, .model = knowledge.known.model});
-  const std::string strategy = measure::essence(prepared.plan);
+  const std::string strategy = measure::essence(prepared.plan());
   const Timed timed = time_steps(prepared, conditions);
   if (timed.blocks.seconds.empty()) return out;
 

@@ -5,13 +5,13 @@
 #include "assur/backend.hpp"
 #include "assur/plan.hpp"
 #include "assur/scene.hpp"
-#include "assur/structure.hpp"
 #include "decimal.hpp"
 #include "dispatch/counts.hpp"
 #include "output/format.hpp"
 #include "pictures/heat_map.hpp"
 #include "pictures/plot.hpp"
 #include "report/sections.hpp"
+#include "structure/grouped_system.hpp"
 #include "tuning/mechanisms.hpp"
 
 namespace assur::report {
@@ -28,7 +28,7 @@ struct Column {
 Shape shape_of_class(const Scene& scene, Formulation formulation, std::int32_t n) {
   StructureOptions options;
   options.formulation = formulation;
-  const Structure structure = analyze(scene, options);
+  const GroupedSystem structure = group_equations(scene, options);
   const auto at =
       std::find_if(structure.classes.begin(), structure.classes.end(), [n](const GroupClass& c) { return c.n == n; });
   if (at == structure.classes.end())

@@ -6,12 +6,12 @@
 #include <numeric>
 #include <utility>
 
-#include "assur/structure.hpp"
 #include "equations/outputs.hpp"
 #include "numbers.hpp"
 #include "output/format.hpp"
 #include "runs/row_takers.hpp"
 #include "scene/names.hpp"
+#include "structure/grouped_system.hpp"
 
 namespace assur::sweep {
 namespace {
@@ -51,7 +51,7 @@ double number_in(const std::string& text, const std::string& line) {
 
 }  // namespace
 
-std::vector<std::string> columns_of(const Scene& scene) { return column_names(*analyze(scene).system); }
+std::vector<std::string> columns_of(const Scene& scene) { return column_names(*group_equations(scene).system); }
 
 void check_point(const std::string& point, const Scene& scene, const std::vector<std::string>& columns) {
   if (scene.dimension() != 2) {

@@ -28,7 +28,7 @@ struct Row {
   static constexpr const char* kNotAssembled = "not_assembled";
 };
 
-// The columns that a sweep of this scene keeps: its outputs. Throws like analyze().
+// The columns that a sweep of this scene keeps: its outputs. Throws like group_equations().
 [[nodiscard]] std::vector<std::string> columns_of(const Scene& scene);
 
 // The names of figures: min, max, min_time, max_time, mean, last, range.

@@ -7,6 +7,7 @@
 
 #include "assur/plan.hpp"
 #include "dispatch/together_rules.hpp"
+#include "plan/preparation.hpp"
 #include "tuning/mechanisms.hpp"
 
 namespace assur::tuning {
@@ -82,7 +83,7 @@ void add_sizes(std::vector<Cell>& cells, const Extent& e) {
 void add_classes(std::vector<Cell>& cells, const std::string& text, Formulation formulation) {
   StructureOptions options;
   options.formulation = formulation;
-  const Structure structure = analyze(sample(text), options);
+  const GroupedSystem structure = group_equations(sample(text), options);
   for (std::size_t k = 0; k < structure.classes.size(); ++k) {
     Cell c = matrix(text + ", " + std::string(name(formulation)), structure.classes[k].n);
     c.scene = named(text);
@@ -197,9 +198,9 @@ Cell around(Cell of_steps) {
 }
 
 // The largest number of groups of a class on one level.
-std::int32_t side_by_side(const Structure& structure, std::int32_t group_class) {
+std::int32_t side_by_side(const GroupedSystem& structure, std::int32_t group_class) {
   std::int32_t most = 0, level = -1, count = 0;
-  for (const Group& g : structure.groups) {
+  for (const SolvedGroup& g : structure.groups) {
     if (g.group_class != group_class) continue;
     count = g.level == level ? count + 1 : 1;
     level = g.level;
@@ -290,7 +291,7 @@ std::vector<Cell> scene_cells(const std::string& text, const Scene& scene) {
     options.strategy = std::string(name(f)) + "/eigen";
     options.budget = ThreadBudget{1};
     const Prepared prepared = prepare(scene, options);
-    const Structure& structure = *prepared.structure;
+    const GroupedSystem& structure = *preparation(prepared).structure;
     if (structure.classes.empty())
       throw Error(Error::Kind::input, {{text, "nothing in it moves, so there is nothing to time"}});
     const std::string family = text + ", " + std::string(name(f));

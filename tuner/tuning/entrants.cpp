@@ -13,6 +13,7 @@
 #include "measure/meeting.hpp"
 #include "measure/motion.hpp"
 #include "numbers.hpp"
+#include "plan/preparation.hpp"
 
 namespace assur::tuning {
 namespace {
@@ -22,14 +23,14 @@ constexpr int kDifferent = 16;  // different matrices of one pattern; further la
 
 [[noreturn]] void refuse(const std::string& why) { throw Error(Error::Kind::numerical, why); }
 
-std::vector<std::int32_t> groups_of_classes(const Structure& structure) {
+std::vector<std::int32_t> groups_of_classes(const GroupedSystem& structure) {
   std::vector<std::int32_t> count(structure.classes.size(), 0);
-  for (const Group& g : structure.groups) ++count[static_cast<std::size_t>(g.group_class)];
+  for (const SolvedGroup& g : structure.groups) ++count[static_cast<std::size_t>(g.group_class)];
   return count;
 }
 
 // The class that a cell measures.
-std::int32_t class_of(const Cell& cell, const Structure& structure) {
+std::int32_t class_of(const Cell& cell, const GroupedSystem& structure) {
   if (cell.group_class >= 0) return cell.group_class;
   const std::vector<std::int32_t> groups = groups_of_classes(structure);
   std::size_t best = 0;
@@ -49,7 +50,7 @@ class MatrixGround final : public Ground {
     if (cell.scene) {
       StructureOptions options;
       options.formulation = cell.formulation;
-      structure_ = std::make_shared<const Structure>(analyze(cell.scene(), options));
+      structure_ = std::make_shared<const GroupedSystem>(group_equations(cell.scene(), options));
       class_ = class_of(cell, *structure_);
       matrices_ = measure::jacobians(*structure_, class_, kDifferent);
       shape_ = shape_of(structure_->classes[static_cast<std::size_t>(class_)]);
@@ -84,7 +85,7 @@ class MatrixGround final : public Ground {
  private:
   const Field& field_;
   measure::Matrices matrices_;
-  std::shared_ptr<const Structure> structure_;
+  std::shared_ptr<const GroupedSystem> structure_;
   std::int32_t class_ = 0;
 };
 
@@ -92,14 +93,13 @@ class MatrixGround final : public Ground {
 
 class PacksGround final : public Ground {
  public:
-  PacksGround(const Cell& cell, const Field& field) {
-    PrepareOptions options;
-    options.strategy = std::string(name(cell.formulation)) + "/lanes:8";
-    options.budget = ThreadBudget{1};
-    prepared_ = prepare(cell.scene(), options);
-    class_ = class_of(cell, *prepared_.structure);
+  PacksGround(const Cell& cell, const Field& field)
+      : prepared_(prepare(cell.scene(),
+                          {.strategy = std::string(name(cell.formulation)) + "/lanes:8", .budget = ThreadBudget{1}})) {
+    class_ = class_of(cell, *preparation(prepared_).structure);
     const auto k = static_cast<std::size_t>(class_);
-    shape_ = shape_of(prepared_.structure->classes[k], groups_of_classes(*prepared_.structure)[k]);
+    shape_ =
+        shape_of(preparation(prepared_).structure->classes[k], groups_of_classes(*preparation(prepared_).structure)[k]);
     if (cell.kind == Cell::Kind::together) {
       for (Strategy& s : together_strategies(field, cell.formulation, shape_.groups)) {
         candidates_.push_back({Kernel::pack, std::move(s)});
@@ -137,10 +137,10 @@ class PacksGround final : public Ground {
 
  private:
   [[nodiscard]] std::unique_ptr<measure::PackStep> pack_step(const Candidate& c) const {
-    Prepared prepared = prepared_;
-    prepared.plan.run.together = c.strategy.run.together;
-    prepared.plan.choices[static_cast<std::size_t>(class_)].solver = c.strategy.solver;
-    return std::make_unique<measure::PackStep>(prepared, class_);
+    Preparation changed = preparation(prepared_);
+    changed.plan.run.together = c.strategy.run.together;
+    changed.plan.choices[static_cast<std::size_t>(class_)].solver = c.strategy.solver;
+    return std::make_unique<measure::PackStep>(Preparation::shared(std::move(changed)), class_);
   }
 
   Prepared prepared_;
@@ -155,7 +155,7 @@ class StepsGround final : public Ground {
     Cell of = cell;
     StructureOptions options;
     options.formulation = cell.formulation;
-    const Structure structure = analyze(scene_, options);
+    const GroupedSystem structure = group_equations(scene_, options);
     // The class with most operations in all its groups.
     const std::vector<std::int32_t> groups = groups_of_classes(structure);
     for (std::size_t k = 0; k < structure.classes.size(); ++k) {
@@ -195,7 +195,7 @@ class StepsGround final : public Ground {
     std::vector<Entrant> out = {
         {Kernel::step, shape_, c.strategy, step.get(), step, step->report().error.residual(), kNotMeasured}};
     if (!around_) return out;
-    const std::vector<Shape> shapes = class_shapes(*prepared.structure);
+    const std::vector<Shape> shapes = class_shapes(*preparation(prepared).structure);
     for (std::size_t k = 0; k < shapes.size(); ++k) {
       const auto pack = std::make_shared<measure::PackStep>(prepared, static_cast<std::int32_t>(k));
       Entrant part{Kernel::pack, shapes[k], c.strategy, pack.get(), pack, pack->error().residual(), kNotMeasured};

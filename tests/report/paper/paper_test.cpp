@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "assur/plan.hpp"
+#include "plan/preparation.hpp"
 
 namespace assur::report {
 namespace {
@@ -38,10 +39,10 @@ TEST(PaperCells, ScenesHaveTheGroupsOfTheirCell) {
   for (const PaperCell& cell : cells) {
     SCOPED_TRACE(cell.scene());
     const Prepared prepared = prepare(sample(cell.scene()), {.strategy = "groups/eigen"});
-    const Structure& s = *prepared.structure;
+    const GroupedSystem& s = *preparation(prepared).structure;
     ASSERT_EQ(s.groups.size(), static_cast<std::size_t>(cell.groups) + 1);
     int total = 0;
-    for (const Group& group : s.groups) {
+    for (const SolvedGroup& group : s.groups) {
       EXPECT_EQ(group.of, group.level == 0 ? cell.terminal : cell.n);
       total += s.classes[static_cast<std::size_t>(group.group_class)].n;
     }

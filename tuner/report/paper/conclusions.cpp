@@ -279,7 +279,7 @@ struct Rule {
 constexpr std::array kRules = {
     Rule{"5.1", "Multithreading MKL is preferable to MA27 for the case study", dense_for_the_case_study},
     Rule{"5.1", "With larger matrices sparsity pays: O(n) of MA27 against O(n³) of MKL", sparse_for_large},
-    Rule{"5.1, 6", "Group equations clearly outperform the global formulation", groups_beat_global},
+    Rule{"5.1, 6", "SolvedGroup equations clearly outperform the global formulation", groups_beat_global},
     Rule{"5.1", "... with a speed-up of close to four for the largest", four_times_for_the_largest},
     Rule{"5.1", "OpenMP achieves more than MKL's threads from the smallest size, except for the largest",
          openmp_beats_mkl},

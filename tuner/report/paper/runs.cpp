@@ -48,9 +48,9 @@ class GridRun final : public measure::Workload {
   // iterations: StepSettings::iterations; cores: pins the threads to them if there is one for each thread. Throws Error
   // like Simulator.
   GridRun(const Prepared& prepared, int iterations, const std::vector<int>& cores)
-      : grid_(prepared.time), threads_(most_threads(prepared.plan)) {
+      : grid_(prepared.time()), threads_(most_threads(prepared.plan())) {
     StepSettings settings{.iterations = iterations};
-    if (prepared.plan.run.threads > 1 && static_cast<std::size_t>(threads_) <= cores.size()) settings.pin_to = cores;
+    if (prepared.plan().run.threads > 1 && static_cast<std::size_t>(threads_) <= cores.size()) settings.pin_to = cores;
     pinned_ = !settings.pin_to.empty();
     simulator_.emplace(prepared, settings);
     at_start_ = simulator_->report().counters;
@@ -227,7 +227,7 @@ class PaperExperiments {
     try {
       if (!yardstick) yardstick = make_yardstick(scene, c.timing.cell);
       const Prepared prepared = prepare(scene, how(entrant.strategy));
-      if (entrant.version == kAuto) c.timing.strategy = "auto: " + measure::essence(prepared.plan);
+      if (entrant.version == kAuto) c.timing.strategy = "auto: " + measure::essence(prepared.plan());
       auto run = std::make_unique<GridRun>(prepared, c.timing.cell.iterations, cores_);
       const auto width = static_cast<std::size_t>(run->columns().size());
       const int steps = std::min(steps_to_verify(costs_.step(c.timing.cell, entrant)),
