@@ -136,7 +136,7 @@ bool report(const Design& design, std::size_t members, int rounds) {
     bound = b.members;
     binding.push_back(1e6 * b.binding / static_cast<double>(members));
     assembling.push_back(1e6 * b.assembling / static_cast<double>(members));
-    preparing.push_back(1e6 * prepare_some(design, first, values));
+    preparing.push_back(1e6 * prepare_some(design, Preparation::shared(first), values));
   }
   const double worst = deviation(design, values);
   std::printf("| %s, %zu values | %d | %.2f | %.2f | %.0f | %.1f %% | %.1e |\n", design.scene.name().c_str(),
