@@ -48,6 +48,9 @@ endforeach()
 
 set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME assur)
 install(TARGETS assur_command)
+if(TARGET assur_hdf5)
+  install(TARGETS assur_hdf5 LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/assur)
+endif()
 
 # What is installed, and no more.
 add_custom_target(assur_installed DEPENDS assur_core assur assur_command)

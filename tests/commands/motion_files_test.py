@@ -31,7 +31,7 @@ def run(folder, *arguments):
     if h5py:
         command += ["--hdf5", files[2]]
     done = subprocess.run(command, check=False, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
-    if "cannot write HDF5" in done.stderr:
+    if "HDF5 was not found" in done.stderr:
         print(done.stderr)
         sys.exit(77)
     motion = numpy.load(files[1])

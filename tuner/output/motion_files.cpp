@@ -3,8 +3,11 @@
 #include <cerrno>
 #include <cstring>
 #include <iostream>
+#include <memory>
+#include <string>
+#include <vector>
 
-#include "output/motion_hdf5.hpp"
+#include "output/hdf5.hpp"
 
 namespace assur::output {
 namespace {
@@ -19,6 +22,40 @@ void write_to_standard_output(const Motion& motion) {
   throw Error(Error::Kind::environment, {{"--csv", "cannot write to standard output: " + why}});
 }
 
+std::size_t members(const Trajectory&) { return 1; }
+std::size_t members(const EnsembleTrajectory& motion) { return motion.members(); }
+double value(const Trajectory& motion, std::size_t, std::size_t row, std::size_t column) { return motion(row, column); }
+double value(const EnsembleTrajectory& motion, std::size_t member, std::size_t row, std::size_t column) {
+  return motion(member, row, column);
+}
+
+// The data set `t` (rows), and one for each output, of rows or of members x rows. Rows that a member did not reach are
+// NaN. The file is made in memory.
+template <class Motion>
+void write_hdf5(std::ostream& out, const Motion& motion, const NpyOptions& how) {
+  using Type = Hdf5File::Type;
+  const std::unique_ptr<Hdf5File> file(load_hdf5("--hdf5")(Hdf5File::Access::memory, "motion.h5"));
+  const Type stored = how.single ? Type::f32 : Type::f64;
+  std::vector<double> values;
+  for (std::size_t k = 0; k < motion.times().size(); k += how.every) values.push_back(motion.times()[k]);
+  const std::size_t rows = values.size();
+  bool is_made = file && file->add("t", stored, {rows}, values.data());
+  Hdf5File::Shape shape = {rows};
+  if constexpr (std::is_same_v<Motion, EnsembleTrajectory>) shape = {motion.members(), rows};
+  for (std::size_t c = 0; c < motion.columns().size() && is_made; ++c) {
+    values.clear();
+    for (std::size_t m = 0; m < members(motion); ++m) {
+      for (std::size_t k = 0; k < rows; ++k) values.push_back(value(motion, m, k * how.every, c));
+    }
+    is_made = file->add(motion.columns()[c], stored, shape, values.data());
+  }
+  std::vector<char> bytes;
+  if (!is_made || !file->image(bytes)) {
+    throw Error(Error::Kind::environment, {{"--hdf5", "the file cannot be made in memory"}});
+  }
+  out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+}
+
 }  // namespace
 
 MotionFiles::MotionFiles(const MotionFileNames& names, const NpyOptions& how)
@@ -26,7 +63,7 @@ MotionFiles::MotionFiles(const MotionFileNames& names, const NpyOptions& how)
   if (!names.csv.empty() && !csv_to_standard_output_) csv_.emplace("--csv", names.csv);
   if (!names.npy.empty()) npy_.emplace("--npy", names.npy);
   if (names.hdf5.empty()) return;
-  if (const std::string why = why_no_hdf5(); !why.empty()) throw Error(Error::Kind::environment, {{"--hdf5", why}});
+  static_cast<void>(load_hdf5("--hdf5"));
   hdf5_.emplace("--hdf5", names.hdf5);
 }
 

@@ -19,7 +19,7 @@ struct MotionFileNames {
 class MotionFiles {
  public:
   // Opens the files before the run, so that a misspelt folder does not cost the work of an hour. how: rows and numbers
-  // of .npy and HDF5. Throws Error (environment), like write(); also for HDF5 in a build without it.
+  // of .npy and HDF5. Throws Error (environment), like write(); also if HDF5 is missing.
   MotionFiles(const MotionFileNames& names, const NpyOptions& how);
 
   void write(const Trajectory& motion) { write_all(motion); }

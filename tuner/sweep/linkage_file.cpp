@@ -7,31 +7,24 @@
 #include <utility>
 
 #include "assur/status.hpp"
-#include "output/hdf5_handle.hpp"
+#include "output/hdf5.hpp"
 
 namespace assur::sweep {
-namespace {
-
-using Handle = output::Hdf5Handle;
-using Shape = output::Hdf5Shape;
-using output::hdf5_space;
-
-constexpr hsize_t kChunkBytes = 256 << 10;
-
-}  // namespace
 
 struct LinkageFile::Impl {
+  using File = output::Hdf5File;
+  using Type = File::Type;
+
   // One data set of the file, with a first dimension that grows.
   struct Column {
     const char* name;
-    hid_t stored, given;  // types in the file and in memory
-    Shape row;            // shape of a row
-    Handle data{};
+    Type stored, given;  // in the file and in memory
+    File::Shape row;     // shape of a row
   };
 
   std::string name;
   std::size_t joints, times;
-  Handle file;
+  std::unique_ptr<File> file;
   std::vector<Column> columns;
   LinkageCounts counts;
 
@@ -41,36 +34,30 @@ struct LinkageFile::Impl {
   [[noreturn]] void refuse(const std::string& what) const {
     throw Error(Error::Kind::input, {{"--out", name + " " + what + "; choose another file or remove it"}});
   }
-  void check(herr_t result) const {
-    if (result < 0) fail();
+  void check(bool is_done) const {
+    if (!is_done) fail();
   }
 
   Impl(std::string file_name, const LinkageSet& set)
       : name(std::move(file_name)), joints(static_cast<std::size_t>(set.joints.most)), times(set.times.size()) {
-    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // this process prints its own messages
-    const hsize_t j = joints;
-    const hid_t real = H5T_NATIVE_DOUBLE;
-    const auto add = [&](const char* of, hid_t stored, hid_t given, Shape row) {
-      columns.push_back({of, stored, given, std::move(row), {}});
-    };
-    add("sample", H5T_STD_I64LE, H5T_NATIVE_INT64, {});
-    add("joints", H5T_STD_I32LE, H5T_NATIVE_INT32, {});
-    add("kind", H5T_STD_U8LE, H5T_NATIVE_UINT8, {j});
-    add("left", H5T_STD_U8LE, H5T_NATIVE_UINT8, {j});
-    add("parents", H5T_STD_U16LE, H5T_NATIVE_UINT16, {j, 2});
-    add("values", H5T_IEEE_F64LE, real, {j, 3});
-    add("curves", set.single ? H5T_IEEE_F32LE : H5T_IEEE_F64LE, real, {times, 2});
-    add("center", H5T_IEEE_F64LE, real, {2});
-    add("radius", H5T_IEEE_F64LE, real, {});
-    add("angle", H5T_IEEE_F64LE, real, {});
-    add("error", H5T_IEEE_F64LE, real, {});
-    if (!set.target.empty()) add("distance", H5T_IEEE_F64LE, real, {});
+    output::OpenHdf5* const open_file = output::load_hdf5("--out");
+    const std::uint64_t j = joints;
+    columns = {{"sample", Type::i64, Type::i64, {}},
+               {"joints", Type::i32, Type::i32, {}},
+               {"kind", Type::u8, Type::u8, {j}},
+               {"left", Type::u8, Type::u8, {j}},
+               {"parents", Type::u16, Type::u16, {j, 2}},
+               {"values", Type::f64, Type::f64, {j, 3}},
+               {"curves", set.single ? Type::f32 : Type::f64, Type::f64, {times, 2}},
+               {"center", Type::f64, Type::f64, {2}},
+               {"radius", Type::f64, Type::f64, {}},
+               {"angle", Type::f64, Type::f64, {}},
+               {"error", Type::f64, Type::f64, {}}};
+    if (!set.target.empty()) columns.push_back({"distance", Type::f64, Type::f64, {}});
     std::error_code ignored;
-    if (std::filesystem::exists(name, ignored)) {
-      open(set);
-    } else {
-      create(set);
-    }
+    const bool exists = std::filesystem::exists(name, ignored);
+    file.reset(open_file(exists ? File::Access::change : File::Access::create, name.c_str()));
+    exists ? open(set) : create(set);
   }
 
   [[nodiscard]] static std::vector<std::pair<const char*, std::int64_t>> description(const LinkageSet& set) {
@@ -89,63 +76,34 @@ struct LinkageFile::Impl {
             {"inaccurate", &counts.inaccurate}};
   }
 
-  void put(const char* attribute, std::int64_t value) {
-    const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
-    const bool exists = H5Aexists(*file, attribute) > 0;
-    const Handle at(exists ? H5Aopen(*file, attribute, H5P_DEFAULT)
-                           : H5Acreate2(*file, attribute, H5T_STD_I64LE, *space, H5P_DEFAULT, H5P_DEFAULT),
-                    H5Aclose);
-    check(H5Awrite(*at, H5T_NATIVE_INT64, &value));
-  }
   [[nodiscard]] std::int64_t get(const char* attribute) const {
-    const Handle at(H5Aopen(*file, attribute, H5P_DEFAULT), H5Aclose);
     std::int64_t value = 0;
-    if (!at.valid() || H5Aread(*at, H5T_NATIVE_INT64, &value) < 0) refuse("is no data set of linkages");
+    if (!file->get(attribute, value)) refuse("is no data set of linkages");
     return value;
   }
 
-  void write_constant(const char* of, const Shape& shape, const double* values) const {
-    const Handle space = hdf5_space(shape, shape);
-    const Handle data(H5Dcreate2(*file, of, H5T_IEEE_F64LE, *space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Dclose);
-    check(H5Dwrite(*data, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values));
-  }
   // Empty if there is no such data set.
   template <class T = double>
-  [[nodiscard]] std::vector<T> numbers_in(const char* of, hid_t type = H5T_NATIVE_DOUBLE) const {
-    if (H5Lexists(*file, of, H5P_DEFAULT) <= 0) return {};
-    const Handle data(H5Dopen2(*file, of, H5P_DEFAULT), H5Dclose), space(H5Dget_space(*data), H5Sclose);
-    std::vector<T> values(static_cast<std::size_t>(H5Sget_simple_extent_npoints(*space)));
-    check(H5Dread(*data, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()));
+  [[nodiscard]] std::vector<T> numbers_in(const char* of, Type type = Type::f64) const {
+    if (!file->has(of)) return {};
+    std::vector<T> values(file->size(of));
+    check(file->read(of, type, values.data()));
     return values;
   }
 
   void create(const LinkageSet& set) {
-    file = {H5Fcreate(name.c_str(), H5F_ACC_EXCL, H5P_DEFAULT, H5P_DEFAULT), H5Fclose};
-    if (!file.valid()) fail();
-    for (Column& c : columns) {
-      Shape shape = {0}, most = {H5S_UNLIMITED}, chunk = {1};
-      hsize_t bytes = H5Tget_size(c.stored);
-      for (const hsize_t n : c.row) {
-        shape.push_back(n);
-        most.push_back(n);
-        chunk.push_back(n);
-        bytes *= n;
-      }
-      chunk[0] = std::max<hsize_t>(1, kChunkBytes / bytes);
-      const Handle how(H5Pcreate(H5P_DATASET_CREATE), H5Pclose), space = hdf5_space(shape, most);
-      check(H5Pset_chunk(*how, static_cast<int>(chunk.size()), chunk.data()));
-      c.data = {H5Dcreate2(*file, c.name, c.stored, *space, H5P_DEFAULT, *how, H5P_DEFAULT), H5Dclose};
-      if (!c.data.valid()) fail();
+    check(file != nullptr);
+    for (const Column& c : columns) check(file->add_rows(c.name, c.stored, c.row));
+    check(file->add("times", Type::f64, {times}, set.times.data()));
+    if (!set.target.empty()) {
+      check(file->add("target", Type::f64, {set.target.size(), 2}, set.target.data()->data()));
     }
-    write_constant("times", {times}, set.times.data());
-    if (!set.target.empty()) write_constant("target", {set.target.size(), 2}, set.target.data()->data());
-    for (const auto& [attribute, value] : description(set)) put(attribute, value);
+    for (const auto& [attribute, value] : description(set)) check(file->put(attribute, value));
     finish();
   }
 
   void open(const LinkageSet& set) {
-    file = {H5Fopen(name.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose};
-    if (!file.valid()) refuse("is not an HDF5 file that can be continued");
+    if (!file) refuse("is not an HDF5 file that can be continued");
     for (const auto& [attribute, value] : description(set)) {
       if (get(attribute) == value) continue;
       refuse("has " + std::string(attribute) + " " + std::to_string(get(attribute)) + ", this sweep " +
@@ -156,28 +114,11 @@ struct LinkageFile::Impl {
     if (numbers_in("times") != set.times) refuse("has other times");
     if (numbers_in("target") != target) refuse("has another target");
     for (const auto& [attribute, value] : figures()) *value = get(attribute);
-    for (Column& c : columns) {
-      c.data = {H5Dopen2(*file, c.name, H5P_DEFAULT), H5Dclose};
-      if (!c.data.valid()) refuse("is no data set of linkages");
-      if (H5Tequal(*Handle(H5Dget_type(*c.data), H5Tclose), c.stored) <= 0) refuse("has another precision");
-      resize(c, counts.rows);  // drops rows after the last flush
+    for (const Column& c : columns) {
+      if (!file->has(c.name)) refuse("is no data set of linkages");
+      if (!file->is(c.name, c.stored)) refuse("has another precision");
+      check(file->resize(c.name, static_cast<std::uint64_t>(counts.rows)));  // drops rows after the last flush
     }
-  }
-
-  void resize(Column& c, std::int64_t to) const {
-    Shape shape = {static_cast<hsize_t>(to)};
-    shape.insert(shape.end(), c.row.begin(), c.row.end());
-    check(H5Dset_extent(*c.data, shape.data()));
-  }
-
-  void write(Column& c, std::size_t count, const void* values) const {
-    resize(c, counts.rows + static_cast<std::int64_t>(count));
-    Shape from = {static_cast<hsize_t>(counts.rows)}, size = {count};
-    from.insert(from.end(), c.row.size(), 0);
-    size.insert(size.end(), c.row.begin(), c.row.end());
-    const Handle in_file(H5Dget_space(*c.data), H5Sclose), in_memory = hdf5_space(size, size);
-    check(H5Sselect_hyperslab(*in_file, H5S_SELECT_SET, from.data(), nullptr, size.data(), nullptr));
-    check(H5Dwrite(*c.data, c.given, *in_memory, *in_file, H5P_DEFAULT, values));
   }
 
   // Values of all rows, one after another.
@@ -185,10 +126,11 @@ struct LinkageFile::Impl {
   void write(std::size_t column, std::span<const LinkageRow> all,
              const std::function<void(const LinkageRow&, T*)>& fill) {
     std::size_t each = 1;
-    for (const hsize_t n : columns[column].row) each *= n;
+    for (const std::uint64_t n : columns[column].row) each *= n;
     std::vector<T> values(all.size() * each);
     for (std::size_t i = 0; i < all.size(); ++i) fill(all[i], values.data() + i * each);
-    write(columns[column], all.size(), values.data());
+    const Column& c = columns[column];
+    check(file->append(c.name, static_cast<std::uint64_t>(counts.rows), all.size(), c.given, values.data()));
   }
 
   // Values of all joints of all rows.
@@ -228,7 +170,7 @@ struct LinkageFile::Impl {
       write<double>(9, all, [](const LinkageRow& r, auto* to) { *to = r.frame.angle; });
       write<double>(10, all, [](const LinkageRow& r, auto* to) { *to = r.error; });
       if (columns.size() > 11) write<double>(11, all, [](const LinkageRow& r, auto* to) { *to = r.distance; });
-      check(H5Fflush(*file, H5F_SCOPE_LOCAL));
+      check(file->flush());
     }
     counts.samples += more.samples;
     counts.rows += static_cast<std::int64_t>(all.size());
@@ -240,8 +182,8 @@ struct LinkageFile::Impl {
 
   // Says which rows count.
   void finish() {
-    for (const auto& [attribute, value] : figures()) put(attribute, *value);
-    check(H5Fflush(*file, H5F_SCOPE_LOCAL));
+    for (const auto& [attribute, value] : figures()) check(file->put(attribute, *value));
+    check(file->flush());
   }
 };
 
@@ -250,7 +192,7 @@ LinkageFile::~LinkageFile() = default;
 const LinkageCounts& LinkageFile::counts() const { return impl_->counts; }
 std::vector<std::pair<std::int64_t, double>> LinkageFile::distances() const {
   const std::vector<double> distances = impl_->numbers_in("distance");
-  const auto samples = impl_->numbers_in<std::int64_t>("sample", H5T_NATIVE_INT64);
+  const auto samples = impl_->numbers_in<std::int64_t>("sample", Impl::Type::i64);
   std::vector<std::pair<std::int64_t, double>> all;
   for (std::size_t i = 0; i < distances.size(); ++i) all.emplace_back(samples[i], distances[i]);
   return all;

@@ -47,7 +47,7 @@ struct LinkageRow {
 class LinkageFile {
  public:
   // Creates the file, or continues it after the last rows that were flushed. Throws Error: input if the file was made
-  // by another set or is none; environment if it cannot be written, or if this build has no HDF5.
+  // by another set or is none; environment if it cannot be written, or if HDF5 is missing.
   LinkageFile(const std::string& name, const LinkageSet& set);
   ~LinkageFile();
 
