@@ -65,6 +65,7 @@ if(NOT ASSUR_DEBIAN)  # Debian has the text for all packages in one place
 endif()
 install(FILES db/README.md db/schema.sql DESTINATION ${CMAKE_INSTALL_DOCDIR}/db)
 install(FILES bench/README.md DESTINATION ${CMAKE_INSTALL_DOCDIR}/bench)
+install(FILES bench/peers/peers.csv DESTINATION ${CMAKE_INSTALL_DOCDIR}/bench/peers)
 install(DIRECTORY scenes examples DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR} PATTERN *.py EXCLUDE)
 
