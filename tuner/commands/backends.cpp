@@ -1,7 +1,5 @@
-#include <iostream>
-
 #include "assur/backend.hpp"
-#include "commands/commands.hpp"
+#include "commands/tell.hpp"
 #include "executors/step_code.hpp"
 #include "output/json.hpp"
 #include "output/notes.hpp"
@@ -23,9 +21,9 @@ Json to_json(const std::vector<Row>& rows) {
   for (const Row& row : rows) {
     list.push_back({{"id", row.backend.id},
                     {"available", row.why_not.empty()},
-                    {"why_not", row.why_not.empty() ? Json(nullptr) : Json(row.why_not)},
-                    {"version", row.version.empty() ? Json(nullptr) : Json(row.version)},
-                    {"slowed", row.slowed.empty() ? Json(nullptr) : Json(row.slowed)},
+                    {"why_not", output::or_null(row.why_not)},
+                    {"version", output::or_null(row.version)},
+                    {"slowed", output::or_null(row.slowed)},
                     {"licence", row.backend.licence},
                     {"steady", row.backend.steady}});
   }
@@ -61,12 +59,7 @@ int backends(const Common& common) {
     rows.push_back(
         {backend, backend.version(), backend.why_not(Shape{}, ThreadBudget{}), backend.slowed ? backend.slowed() : ""});
   }
-  if (common.json) {
-    output::print(std::cout, to_json(rows));
-  } else {
-    output::Page page(std::cout);
-    print(page, rows);
-  }
+  tell(common, rows);
   return kDone;
 }
 

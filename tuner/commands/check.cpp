@@ -58,7 +58,7 @@ void print(const Common& common, const output::CheckSummary& summary) {
 int check(const Common& common, const CheckOptions& options) {
   const std::vector<check::Case> cases = cases_of(common, options);
   using output::Progress;
-  Progress progress(std::cerr, common.quiet ? Progress::Style::none : Progress::style_of_standard_error(), "case");
+  Progress progress(common.quiet, "case");
   const Interrupt interrupt;
   const double begin = measure::StepTimes::steady();
   const auto elapsed = [begin] { return measure::StepTimes::steady() - begin; };

@@ -7,6 +7,7 @@
 #include "assur/machine.hpp"
 #include "commands/commands.hpp"
 #include "commands/interrupt.hpp"
+#include "commands/tell.hpp"
 #include "db/libraries.hpp"
 #include "measure/step_times.hpp"
 #include "measure/work_precision.hpp"
@@ -61,8 +62,7 @@ std::vector<std::string> origin(const PerformanceModel& model) {
   const db::Library build = db::library_at_hand("assur");
   return {to_string(this_machine()), "assur " + std::string(db::assur_version()) + ", " + build.build + "; " + today(),
           model.samples() == 0 ? "No samples of this machine: auto decides by counts of operations."
-                               : "auto uses " + output::counted(static_cast<std::int64_t>(model.samples()), "sample") +
-                                     ": " + model.source()};
+                               : "auto uses " + output::counted(model.samples(), "sample") + ": " + model.source()};
 }
 
 bool has_time(const measure::WorkPrecision& result) {
@@ -79,11 +79,10 @@ int compare(const Common& common, const CompareOptions& options) {
   if (!common.quiet) {
     for (const std::string& message : known.messages) std::cerr << "note: " << message << '\n';
   }
-  std::optional<output::Replacement> html;
-  if (!options.html.empty()) html.emplace("--html", options.html);
+  output::Replacement html("--html", options.html);
 
   using output::Progress;
-  Progress progress(std::cerr, common.quiet ? Progress::Style::none : Progress::style_of_standard_error(), "candidate");
+  Progress progress(common.quiet, "candidate");
   const double begin = measure::StepTimes::steady();
   measure::WorkPrecisionOptions how;
   how.accuracies = options.accuracies;
@@ -101,15 +100,10 @@ int compare(const Common& common, const CompareOptions& options) {
 
   const output::ComparisonSummary summary{scene.name(), scene.time().step, options.accuracies, result};
   if (html) {
-    html->stream() << pictures::comparison_page(summary, origin(*known.model));
-    html->put();
+    html.stream() << pictures::comparison_page(summary, origin(*known.model));
+    html.put();
   }
-  if (common.json) {
-    output::print(std::cout, to_json(summary));
-  } else {
-    output::Page page(std::cout);
-    output::print(page, summary);
-  }
+  tell(common, summary);
   if (result.interrupted) return kInterrupted;
   return has_time(result) ? kDone : kNumerical;
 }

@@ -55,9 +55,9 @@ Json to_json(const db::Run& run) {
           {"profile", run.profile},
           {"started", run.started},
           {"finished", run.finished},
-          {"grade", run.finished ? Json(run.grade) : Json(nullptr)},
-          {"seconds", run.finished ? Json(run.seconds) : Json(nullptr)},
-          {"coverage", run.finished ? Json(run.coverage) : Json(nullptr)},
+          {"grade", output::or_null(run.finished, run.grade)},
+          {"seconds", output::or_null(run.finished, run.seconds)},
+          {"coverage", output::or_null(run.finished, run.coverage)},
           {"threads", run.threads},
           {"load", run.load},
           {"assur", run.assur},
@@ -72,7 +72,7 @@ Json to_json(const std::vector<Row>& rows) {
     for (const db::Run& run : row.runs) runs.push_back(to_json(run));
     list.push_back({{"database", row.place.file.string()},
                     {"role", role(row.place.role)},
-                    {"why_not", row.why_not.empty() ? Json(nullptr) : Json(row.why_not)},
+                    {"why_not", output::or_null(row.why_not)},
                     {"samples", row.counts.samples},
                     {"stale", row.counts.stale},
                     {"runs", std::move(runs)}});
@@ -122,7 +122,7 @@ int db_info(const Common& common) {
   Page page(std::cout);
   page.title("This machine: " + to_string(host));
   page.fact("fingerprint", host.fingerprint());
-  page.fact("used", output::counted(static_cast<std::int64_t>(model.model->samples()), "sample"));
+  page.fact("used", output::counted(model.model->samples(), "sample"));
   if (!model.model->source().empty()) page.fact("", model.model->source());
   page.list("note", model.messages);
   for (const Row& row : rows) {

@@ -24,23 +24,15 @@ Json summary_of(const ImportedModel& model, const ImportOptions& options) {
   for (const ImportedModel::Coordinate& c : model.coordinates) {
     coordinates.push_back({{"joint", c.joint}, {"coordinate", c.name}, {"start", c.start}, {"driven", c.driven}});
   }
-  return {{"scene", model.name},
-          {"bodies", model.bodies},
-          {"joints", model.joints},
-          {"loops", model.loops},
-          {"left_out", left_out},
-          {"drivers", drivers},
-          {"coordinates", coordinates},
-          {"notes", model.notes},
-          {"out", options.out.empty() ? Json(nullptr) : Json(options.out)}};
+  return {{"scene", model.name},        {"bodies", model.bodies}, {"joints", model.joints},
+          {"loops", model.loops},       {"left_out", left_out},   {"drivers", drivers},
+          {"coordinates", coordinates}, {"notes", model.notes},   {"out", output::or_null(options.out)}};
 }
 
 void print_summary(const ImportedModel& model, const ImportOptions& options) {
   output::Page page(std::cout);
-  page.title(model.name + ": " + grouped(static_cast<std::int64_t>(model.bodies)) +
-             (model.bodies == 1 ? " moving body, " : " moving bodies, ") +
-             counted(static_cast<std::int64_t>(model.joints), "joint") + ", " +
-             counted(static_cast<std::int64_t>(model.loops), "loop"));
+  page.title(model.name + ": " + grouped(model.bodies) + (model.bodies == 1 ? " moving body, " : " moving bodies, ") +
+             counted(model.joints, "joint") + ", " + counted(model.loops, "loop"));
   std::vector<std::string> driven, controlled, open, left_out;
   for (const ImportedModel::Driver& d : model.drivers) {
     (d.controlled ? controlled : driven).push_back(d.coordinate + " (" + d.name + ")");
@@ -49,7 +41,7 @@ void print_summary(const ImportedModel& model, const ImportOptions& options) {
     if (!c.driven) open.push_back(c.joint);
   }
   for (const auto& [kind, count] : model.left_out) {
-    left_out.push_back(kind + (count > 1 ? " (" + grouped(static_cast<std::int64_t>(count)) + ")" : ""));
+    left_out.push_back(kind + (count > 1 ? " (" + grouped(count) + ")" : ""));
   }
   if (!driven.empty()) page.fact("driven", output::listed(driven));
   if (!controlled.empty())

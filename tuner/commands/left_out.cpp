@@ -39,14 +39,13 @@ void print(Page& page, const LeftOut& left_out, Formulation formulation, std::st
         counted(left_out.equations, "equation"));
   }
   if (const auto& groups = left_out.groups; !groups.empty()) {
-    say(counted(static_cast<std::int64_t>(groups.size()), "group") + ": " + listed(groups));
+    say(counted(groups.size(), "group") + ": " + listed(groups));
   }
   if (left_out.static_groups > 0) say(counted(left_out.static_groups, "group") + " without motion, solved once");
   std::map<std::string_view, std::vector<std::string>> by_fate;
   for (const LeftOut::Level& l : left_out.levels) by_fate[fate(l)].push_back(l.group);
   for (const auto& [what, groups] : by_fate) {
-    say(std::string(what) + ": " +
-        (groups.size() > 20 ? counted(static_cast<std::int64_t>(groups.size()), "group") : listed(groups)));
+    say(std::string(what) + ": " + (groups.size() > 20 ? counted(groups.size(), "group") : listed(groups)));
   }
   if (!said) say("nothing: the outputs need everything");
 }

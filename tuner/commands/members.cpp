@@ -73,7 +73,7 @@ Json to_json(const std::vector<Members::Failure>& failed) {
     list.push_back({{"member", f.member},
                     {"parameters", f.parameters},
                     {"status", f.status ? Json(name(*f.status)) : Json(nullptr)},
-                    {"reached", f.status ? Json(f.reached) : Json(nullptr)},
+                    {"reached", or_null(f.status.has_value(), f.reached)},
                     {"why", f.why}});
   }
   return list;

@@ -88,10 +88,10 @@ Json to_json(const Scene& scene, const std::vector<AssemblyModes>& groups) {
     }
     all.push_back({{"group", m.group},
                    {"unknowns", m.unknowns},
-                   {"start", m.has_start ? Json(0) : Json(nullptr)},
+                   {"start", or_null(m.has_start, 0)},
                    {"modes", std::move(modes)},
                    {"complete", m.complete()},
-                   {"why_none", m.why_none.empty() ? Json(nullptr) : Json(m.why_none)},
+                   {"why_none", or_null(m.why_none)},
                    {"paths", m.paths},
                    {"not_real", m.not_real},
                    {"diverged", m.diverged},
@@ -113,8 +113,7 @@ void print(Page& page, const Scene& scene, const std::vector<AssemblyModes>& gro
   const std::size_t shown = std::min(groups.size(), kMostGroups);
   page.table(mode_table(groups, shown));
   if (shown < groups.size()) {
-    page.fact("",
-              "and " + counted(static_cast<std::int64_t>(groups.size() - shown), "group") + " more; --json has all");
+    page.fact("", "and " + counted(groups.size() - shown, "group") + " more; --json has all");
   }
   std::vector<std::string> all;
   for (const AssemblyModes& m : groups) {

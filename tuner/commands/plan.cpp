@@ -1,4 +1,3 @@
-#include <iostream>
 #include <optional>
 #include <sstream>
 
@@ -7,6 +6,7 @@
 #include "assur/simulator.hpp"
 #include "commands/commands.hpp"
 #include "commands/plan_report.hpp"
+#include "commands/tell.hpp"
 #include "output/replace_file.hpp"
 #include "plan/preparation.hpp"
 
@@ -61,12 +61,7 @@ int plan(const Common& common, const PlanOptions& options) {
         candidates(choice.shape, {.model = known.model, .budget = budget, .without = options.without}));
     for (Candidate& c : of_class) c.strategy.run.formulation = prepared.plan().run.formulation;
   }
-  if (common.json) {
-    output::print(std::cout, to_json(summary));
-  } else {
-    output::Page page(std::cout);
-    output::print(page, summary);
-  }
+  tell(common, summary);
   return kDone;
 }
 

@@ -73,7 +73,7 @@ void print_classes(Page& page, const PlanSummary& s) {
   }
   page.table(table);
   if (plan.choices.size() > kMostClasses) {
-    page.fact("", "and " + grouped(static_cast<std::int64_t>(plan.choices.size() - kMostClasses)) + " more classes");
+    page.fact("", "and " + grouped(plan.choices.size() - kMostClasses) + " more classes");
   }
 }
 
@@ -104,9 +104,9 @@ Json json_of(const Candidate& c, std::size_t group_class) {
   const bool runs = c.why_not.empty();
   return {{"class", group_class},
           {"strategy", to_string(c.strategy)},
-          {"expected_seconds", runs ? Json(c.expected_seconds) : Json(nullptr)},
-          {"factor", runs ? Json(c.factor) : Json(nullptr)},
-          {"origin", runs ? Json(name(c.origin)) : Json(nullptr)},
+          {"expected_seconds", or_null(runs, c.expected_seconds)},
+          {"factor", or_null(runs, c.factor)},
+          {"origin", or_null(runs, name(c.origin))},
           {"why_not", c.why_not}};
 }
 
@@ -152,7 +152,7 @@ Json to_json(const PlanSummary& s) {
           {"expected_storing_seconds", beside.storing},
           {"outputs", beside.outputs},
           {"reason", plan.reason},
-          {"machine_code", s.machine_code ? Json(*s.machine_code) : Json(nullptr)},
+          {"machine_code", or_null(s.machine_code)},
           {"samples", s.model.samples()},
           {"source", s.model.source()},
           {"messages", s.messages},
@@ -164,9 +164,8 @@ Json to_json(const PlanSummary& s) {
 void print(Page& page, const PlanSummary& s) {
   const Plan& plan = s.prepared.plan();
   page.title(s.prepared.scene()->name());
-  page.fact("known", s.model.samples() == 0
-                         ? "no samples of this machine; run assur tune"
-                         : counted(static_cast<std::int64_t>(s.model.samples()), "sample") + ", " + s.model.source());
+  page.fact("known", s.model.samples() == 0 ? "no samples of this machine; run assur tune"
+                                            : counted(s.model.samples(), "sample") + ", " + s.model.source());
   for (const std::string& message : s.messages) page.fact("", message);
   page.gap();
   page.fact("formulation", name(plan.run.formulation));

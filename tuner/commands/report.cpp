@@ -29,7 +29,7 @@ int report(const Common& common, const ReportOptions& options) {
     for (const std::string& message : knowledge.known.messages) std::cerr << "note: " << message << '\n';
   }
   using output::Progress;
-  Progress progress(std::cerr, common.quiet ? Progress::Style::none : Progress::style_of_standard_error(), "second");
+  Progress progress(common.quiet, "second");
   const double begin = measure::StepTimes::steady();
   const Interrupt interrupt;
   report::Conditions whole;

@@ -59,13 +59,11 @@ int run(const Common& common, const RunOptions& options) {
   output::MotionFiles files(options.motion, options.motion_how);
   std::optional<output::ErrorsCsv> errors;
   if (!options.errors.empty()) errors.emplace(options.errors);
-  std::optional<output::Replacement> animation, picture, plot;
-  if (!options.animate.empty()) animation.emplace("--animate", options.animate);
-  if (!options.picture.empty()) picture.emplace("--picture", options.picture);
-  if (!options.plot.empty()) plot.emplace("--plot", options.plot);
+  output::Replacement animation("--animate", options.animate), picture("--picture", options.picture),
+      plot("--plot", options.plot);
 
   const std::int64_t steps = scene.time().steps();
-  Progress progress(std::cerr, common.quiet ? Progress::Style::none : Progress::style_of_standard_error());
+  Progress progress(common.quiet);
   measure::StepTimes times(steps);
   const double begin = measure::StepTimes::steady();
   const Trajectory trajectory = follow(simulator, progress, times, steps);
@@ -96,17 +94,17 @@ int run(const Common& common, const RunOptions& options) {
   if (summary.steps > 0 && how.mode == Mode::latency) summary.step_seconds = times.figures();
   print(common, options, summary);
   if (plot) {
-    plot->stream() << pictures::outputs_over_time(prepared, trajectory, ending(report));
-    plot->put();
+    plot.stream() << pictures::outputs_over_time(prepared, trajectory, ending(report));
+    plot.put();
   }
   bool all_written = !errors || write_errors(simulator, options, *errors, progress);
   if (animation || picture) {
     const bool is_whole =
-        write_animation(prepared, report, how, modes, options, animation ? &animation->stream() : nullptr,
-                        picture ? &picture->stream() : nullptr, progress);
+        write_animation(prepared, report, how, modes, options, animation ? &animation.stream() : nullptr,
+                        picture ? &picture.stream() : nullptr, progress);
     all_written = is_whole && all_written;
-    if (animation) animation->put();
-    if (picture) picture->put();
+    animation.put();
+    picture.put();
   }
   const Exit exit = all_written ? exit_of(report.status.code) : kInterrupted;
   if (exit == kNumerical && !common.json) {

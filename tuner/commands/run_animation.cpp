@@ -1,7 +1,5 @@
 // assur run SCENE --animate FILE --picture FILE
 #include <algorithm>
-#include <iostream>
-#include <optional>
 #include <sstream>
 #include <utility>
 #include <vector>
@@ -61,7 +59,7 @@ bool write_animation(const Prepared& prepared, const Report& report, PrepareOpti
 
 std::string moving_picture_of(const Prepared& prepared, const PrepareOptions& how, const RunOptions& options) {
   std::ostringstream picture;
-  output::Progress none(std::cerr, output::Progress::Style::none, "step");
+  output::Progress none(true);
   try {
     (void)write_animation(prepared, {}, how, {}, options, nullptr, &picture, none);
   } catch (const Error& e) {

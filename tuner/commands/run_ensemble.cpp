@@ -118,15 +118,14 @@ int run_ensemble(const Common& common, const RunOptions& options) {
   check_errors(options, how);
   if (!how.budget) how.budget = this_machine().budget();  // determined once for all members
   const std::vector<Parameters> variants = variants_of(common, options);
-  const Progress::Style style = common.quiet ? Progress::Style::none : Progress::style_of_standard_error();
-  Progress preparing(std::cerr, style, "member");
+  Progress preparing(common.quiet, "member");
   const double start = StepTimes::steady();
   Ensemble ensemble = prepare_all(common, variants, options, how, preparing);
   output::MotionFiles files(options.motion, options.motion_how);
 
   const std::int64_t steps = ensemble.prepared().scene()->time().steps();
   const std::int64_t member_steps = steps * static_cast<std::int64_t>(variants.size());
-  Progress progress(std::cerr, style);
+  Progress progress(common.quiet);
   StepTimes times(0);
   const double begin = StepTimes::steady();
   const EnsembleTrajectory trajectory = [&] {

@@ -16,11 +16,6 @@ namespace {
 
 constexpr std::size_t kMostRows = 12;  // further classes are summarised
 
-template <class T>
-Json or_null(const std::optional<T>& value) {
-  return value ? Json(*value) : Json(nullptr);
-}
-
 // Empty if nothing was solved.
 std::optional<double> mean_iterations(const Counters& c) {
   if (c.group_solutions == 0) return std::nullopt;
@@ -74,11 +69,10 @@ void print_plan(Page& page, const RunSummary& s) {
   Table table({left, right, right, left});
   table.row({"class", "groups", "unknowns", "strategy"});
   for (const PlanLine& line : lines) {
-    table.row({line.classes.size() == 1 ? std::to_string(line.classes.front())
-                                        : grouped(static_cast<std::int64_t>(line.classes.size())) + " classes",
-               grouped(line.groups),
-               line.least == line.most ? grouped(line.most) : grouped(line.least) + "-" + grouped(line.most),
-               line.strategy});
+    table.row(
+        {line.classes.size() == 1 ? std::to_string(line.classes.front()) : grouped(line.classes.size()) + " classes",
+         grouped(line.groups),
+         line.least == line.most ? grouped(line.most) : grouped(line.least) + "-" + grouped(line.most), line.strategy});
   }
   page.table(table);
   page.gap();
@@ -211,7 +205,7 @@ Json to_json(const RunSummary& s) {
                     {"reason", c.reason}});
   }
   Json step_seconds = {{"median", nullptr}, {"p99", nullptr}, {"max", nullptr}, {"block", 1}};
-  if (s.mode == Mode::throughput) step_seconds["mean"] = s.steps > 0 ? Json(s.mean_step()) : Json(nullptr);
+  if (s.mode == Mode::throughput) step_seconds["mean"] = or_null(s.steps > 0, s.mean_step());
   if (s.step_seconds) {
     const auto& f = *s.step_seconds;
     step_seconds = {{"median", f.median}, {"p99", f.p99}, {"max", f.max}, {"block", f.block}};
@@ -230,8 +224,7 @@ Json to_json(const RunSummary& s) {
               {"seconds", s.seconds},
               {"step_seconds", std::move(step_seconds)},
               {"newton_iterations",
-               {{"mean", or_null(mean_iterations(c))},
-                {"max", c.group_solutions > 0 ? Json(c.most_iterations) : Json(nullptr)}}},
+               {{"mean", or_null(mean_iterations(c))}, {"max", or_null(c.group_solutions > 0, c.most_iterations)}}},
               {"factorizations", c.factorizations},
               {"substeps", c.substeps},
               {"rejected", c.rejected},

@@ -22,7 +22,7 @@ Json samples_as_json() {
     }
     list.push_back({{"name", sample.name},
                     {"summary", sample.summary},
-                    {"counted", sample.counted.empty() ? Json(nullptr) : Json(sample.counted)},
+                    {"counted", output::or_null(sample.counted)},
                     {"options", std::move(options)}});
   }
   Json files = Json::array();

@@ -56,13 +56,10 @@ std::string kind_name(Redundancy::Kind kind) {
   return kNames[static_cast<std::size_t>(kind)];
 }
 
-Json null_if(bool missing, std::int32_t value) { return missing ? Json(nullptr) : Json(value); }
-
 Json to_json(const Limit& l) {
-  const auto bound = [](double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); };
   return {{"quantity", l.quantity},
-          {"min", bound(l.min)},
-          {"max", bound(l.max)},
+          {"min", or_null(std::isfinite(l.min), l.min)},
+          {"max", or_null(std::isfinite(l.max), l.max)},
           {"reaction", l.reaction == Limit::Reaction::end ? "end" : "flag"}};
 }
 
@@ -86,7 +83,7 @@ Json to_json(const Scene& scene, const GroupedSystem& s, const Irreducible& spli
                       {"n", g.unknowns.size()},
                       {"of", g.of},
                       {"nnz", f.nnz},
-                      {"fill", null_if(f.fill < 0, f.fill)},
+                      {"fill", or_null(f.fill >= 0, f.fill)},
                       {"level", g.level},
                       {"class", g.group_class},
                       {"derivatives", g.derivatives}});
@@ -133,7 +130,7 @@ Json to_json(const Scene& scene, const GroupedSystem& s, const Irreducible& spli
             {"sizes", std::move(sizes)},
             {"left_out", to_json(split.left_out, Formulation::irreducible)},
             {"blocks_of_classes", std::move(blocks)}}},
-          {"cannot_assemble", s.cannot_assemble.empty() ? Json(nullptr) : Json(s.cannot_assemble)},
+          {"cannot_assemble", or_null(s.cannot_assemble)},
           {"notes", to_json(notes(scene, s))}};
 }
 
@@ -209,7 +206,7 @@ void print_groups(Page& page, const GroupedSystem& s, const std::vector<ClassFig
   } else {
     page.table(class_table(figures));
     if (figures.size() > kMostClasses) {
-      page.fact("", "and " + counted(static_cast<std::int64_t>(figures.size() - kMostClasses), "class") + " more");
+      page.fact("", "and " + counted(figures.size() - kMostClasses, "class") + " more");
     }
   }
 }
@@ -263,8 +260,7 @@ void print_irreducible(Page& page, const GroupedSystem& s, const Irreducible& sp
 
 // "joints A, B, C, D: 3 equations too many; checked, not solved"
 std::string said(const RedundantSet& set) {
-  const std::string what =
-      set.named.text() + ": " + counted(static_cast<std::int64_t>(set.checked.size()), "equation") + " too many";
+  const std::string what = set.named.text() + ": " + counted(set.checked.size(), "equation") + " too many";
   const std::string by = number(set.worst.violation) + (set.worst.is_length ? " m" : "");
   switch (set.kind) {
     case Redundancy::Kind::structural:
@@ -319,10 +315,7 @@ void print(Page& page, const Scene& scene, const GroupedSystem& s, const Irreduc
 
 Json to_json(const MotionRange& range) {
   const auto end = [](const RangeEnd& e) -> Json {
-    return {{"status", name(e.code)},
-            {"reached", e.reached},
-            {"beyond", e.beyond},
-            {"group", e.group.empty() ? Json(nullptr) : Json(e.group)}};
+    return {{"status", name(e.code)}, {"reached", e.reached}, {"beyond", e.beyond}, {"group", or_null(e.group)}};
   };
   Json passed = Json::array();
   for (const PassedLimit& p : range.passed)

@@ -278,13 +278,12 @@ int sweep(const Common& common, const SweepOptions& options) {
   settings.stop = [] { return Interrupt::requested(); };
   sweep::Sweep sweep(space, scene, how, columns, options.reduce, trace_of(options, scene, columns), settings);
 
-  std::optional<output::Replacement> html;
-  if (!options.html.empty()) html.emplace("--html", options.html);
+  output::Replacement html("--html", options.html);
   Tally tally;
   tally.stride = (last - first + pictures::kRowsOfPage - 1) / pictures::kRowsOfPage;
   tally.most = static_cast<std::size_t>(options.best);
   RowFile file(options.out, sweep, first, last, tally);
-  Progress progress(std::cerr, common.quiet ? Progress::Style::none : Progress::style_of_standard_error(), "sample");
+  Progress progress(common.quiet, "sample");
   const double begin = measure::StepTimes::steady();
   const Interrupt interrupt;
   bool stopped = false;
@@ -303,12 +302,11 @@ int sweep(const Common& common, const SweepOptions& options) {
   if (html) {
     pictures::SweepPage page{options.scene, {}, space.ranges(), sweep.figures(), std::move(tally.shown),
                              tally.best,    {}};
-    page.about = {sentence_of(tally, last - first),
-                  "Shown: " + counted(static_cast<std::int64_t>(page.rows.size()), "sample") + "."};
+    page.about = {sentence_of(tally, last - first), "Shown: " + counted(page.rows.size(), "sample") + "."};
     for (const Row& row : tally.best)
       page.motions.push_back(moving_picture_of(prepare(scene_at(row.parameters), how), how, as_run));
-    html->stream() << pictures::page_of(page);
-    html->put();
+    html.stream() << pictures::page_of(page);
+    html.put();
   }
   print(common, options, space, tally, last - first, sweep.figures(), measure::StepTimes::steady() - begin);
   return stopped ? kInterrupted : kDone;

@@ -3,7 +3,6 @@
 #include <charconv>
 #include <cmath>
 #include <iostream>
-#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -216,13 +215,12 @@ int sweep_linkages(const Common& common, const SweepOptions& options) {
   check(common, options);
   const sweep::LinkageSet set = set_of(options);
   refuse_overwriting(common, {{"--out", options.out}, {"--html", options.html}}, {options.target});
-  std::optional<output::Replacement> html;
-  if (!options.html.empty()) html.emplace("--html", options.html);
+  output::Replacement html("--html", options.html);
   sweep::LinkageFile file(options.out, set);
   FleetOptions how;
   how.threads = common.threads > 0 ? common.threads : this_machine().budget().threads;
   how.observer = [](std::int64_t, std::int64_t) { return Interrupt::requested(); };
-  Progress progress(std::cerr, common.quiet ? Progress::Style::none : Progress::style_of_standard_error(), "sample");
+  Progress progress(common.quiet, "sample");
   const Interrupt interrupt;
   const double begin = measure::StepTimes::steady();
   const std::int64_t before = file.counts().samples, wanted = set.last - set.first;
@@ -239,7 +237,7 @@ int sweep_linkages(const Common& common, const SweepOptions& options) {
   }
   progress.clear();
   const std::vector<sweep::Row> best = best_of(file, options.best);
-  if (html) write_page(common, options, set, best, *html);
+  if (html) write_page(common, options, set, best, html);
   print(common, options, file.counts(), best, before, wanted, measure::StepTimes::steady() - begin);
   return interrupted ? kInterrupted : kDone;
 }

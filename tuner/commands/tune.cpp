@@ -9,6 +9,7 @@
 #include "commands/commands.hpp"
 #include "commands/db_parts.hpp"
 #include "commands/interrupt.hpp"
+#include "commands/tell.hpp"
 #include "db/places.hpp"
 #include "measure/noise.hpp"
 #include "measure/pace.hpp"
@@ -117,8 +118,7 @@ int tune(const Common& common, const TuneOptions& options) {
   refuse_overwriting(common, {{"--csv", options.csv}}, options.scenes);
   const tuning::Profile profile = tuning::profile(options.profile, options.budget);
   std::vector<tuning::Cell> cells = cells_of(common, options, profile.extent);
-  std::optional<output::Replacement> csv;
-  if (!options.csv.empty()) csv.emplace("--csv", options.csv);
+  output::Replacement csv("--csv", options.csv);
   tuning::Archive archive(database_of(common, options), name_of(profile, options));
   for (const std::string& message : archive.messages()) std::cerr << message << '\n';
   if (!common.quiet) {
@@ -140,8 +140,7 @@ int tune(const Common& common, const TuneOptions& options) {
   // A run for scenes ends with its cells; other runs use the whole budget.
   using output::Progress;
   const bool by_cells = !options.scenes.empty();
-  Progress progress(std::cerr, common.quiet ? Progress::Style::none : Progress::style_of_standard_error(),
-                    by_cells ? "cell" : "second");
+  Progress progress(common.quiet, by_cells ? "cell" : "second");
   std::int64_t begun = 0;
   how.progress = [&](double seconds, const tuning::Cell&) {
     if (by_cells) {
@@ -177,13 +176,8 @@ int tune(const Common& common, const TuneOptions& options) {
     archive.finish({grade_of(judgement.quiet), summary.seconds, summary.figures.coverage(), judgement.reason},
                    to_json(summary).dump());
   }
-  if (csv) write_csv(*csv, campaign.results());
-  if (common.json) {
-    output::print(std::cout, to_json(summary));
-  } else {
-    output::Page page(std::cout);
-    print(page, summary);
-  }
+  if (csv) write_csv(csv, campaign.results());
+  tell(common, summary);
   if (summary.figures.interrupted) return kInterrupted;
   if (!nothing) return kDone;
   std::cerr << "error: nothing was measured in " << output::duration(profile.seconds)

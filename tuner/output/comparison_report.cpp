@@ -13,22 +13,17 @@ using measure::WorkPrecisionRow;
 
 constexpr double kSmallShare = 0.005;  // times with a smaller relative difference are equal
 
-template <class T>
-Json or_null(const std::optional<T>& value) {
-  return value ? Json(*value) : Json(nullptr);
-}
-
 std::string figure(const std::optional<double>& value) { return value ? error_figure(*value) : "-"; }
 
 Json to_json(const WorkPrecision& result, const WorkPrecisionRow& row, double accuracy) {
   const bool picked = std::find(row.picked.begin(), row.picked.end(), accuracy) != row.picked.end();
   const auto error = [&](double ForwardError::*which) { return row.error ? Json((*row.error).*which) : Json(nullptr); };
   return {{"strategy", row.strategy},
-          {"iterations", row.iterations > 0 ? Json(row.iterations) : Json(nullptr)},
+          {"iterations", or_null(row.iterations > 0, row.iterations)},
           {"knob", row.knob ? Json(measure::name(*row.knob)) : Json(nullptr)},
-          {"accuracy", accuracy > 0 ? Json(accuracy) : Json(nullptr)},
+          {"accuracy", or_null(accuracy > 0, accuracy)},
           {"seconds_per_step", or_null(row.seconds)},
-          {"spread", row.seconds && row.rounds > 1 ? Json(row.spread) : Json(nullptr)},
+          {"spread", or_null(row.seconds && row.rounds > 1, row.spread)},
           {"rounds", row.rounds},
           {"forward_position", error(&ForwardError::position)},
           {"forward_velocity", error(&ForwardError::velocity)},
@@ -122,7 +117,7 @@ Json to_json(const ComparisonSummary& s) {
           {"steps", s.result.steps},
           {"dt", s.step},
           {"accuracies", s.accuracies},
-          {"no_yardstick", s.result.no_yardstick.empty() ? Json(nullptr) : Json(s.result.no_yardstick)},
+          {"no_yardstick", or_null(s.result.no_yardstick)},
           {"interrupted", s.result.interrupted},
           {"rows", std::move(rows)}};
 }

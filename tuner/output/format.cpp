@@ -58,7 +58,7 @@ std::string error_figure(double value) {
 std::string listed(const std::vector<std::string>& names, std::size_t most) {
   std::string text;
   for (std::size_t i = 0; i < std::min(names.size(), most); ++i) text += (i == 0 ? "" : ", ") + names[i];
-  if (names.size() > most) text += " and " + grouped(static_cast<std::int64_t>(names.size() - most)) + " more";
+  if (names.size() > most) text += " and " + grouped(names.size() - most) + " more";
   return text;
 }
 

@@ -1,6 +1,7 @@
 // Numbers and names as text for people.
 #pragma once
 
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -13,9 +14,13 @@ inline constexpr std::size_t kPageWidth = 80;  // columns
 
 // 12,345
 [[nodiscard]] std::string grouped(std::int64_t count);
+[[nodiscard]] std::string grouped(std::integral auto count) { return grouped(static_cast<std::int64_t>(count)); }
 
 // "1 group", "12,345 groups"
 [[nodiscard]] std::string counted(std::int64_t count, std::string_view noun);
+[[nodiscard]] std::string counted(std::integral auto count, std::string_view noun) {
+  return counted(static_cast<std::int64_t>(count), noun);
+}
 
 // Three digits and a unit: "12.3 µs", "1.04 ms", "75.0 s".
 [[nodiscard]] std::string duration(double seconds);

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <ostream>
+#include <string_view>
 #include <vector>
 
 #include "assur/number.hpp"
@@ -17,6 +19,17 @@ inline void to_json(nlohmann::ordered_json& json, const Number& number) { json =
 namespace assur::output {
 
 using Json = nlohmann::ordered_json;
+
+// null if there is none; of a text, if it is empty.
+template <class T>
+[[nodiscard]] Json or_null(const std::optional<T>& value) {
+  return value ? Json(*value) : Json(nullptr);
+}
+[[nodiscard]] inline Json or_null(std::string_view text) { return text.empty() ? Json(nullptr) : Json(text); }
+template <class T>
+[[nodiscard]] Json or_null(bool there, const T& value) {
+  return there ? Json(value) : Json(nullptr);
+}
 
 // One object, two spaces of indentation; bytes that are no UTF-8 are replaced.
 inline void print(std::ostream& out, const Json& object) {

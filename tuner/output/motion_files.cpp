@@ -59,28 +59,28 @@ void write_hdf5(std::ostream& out, const Motion& motion, const NpyOptions& how) 
 }  // namespace
 
 MotionFiles::MotionFiles(const MotionFileNames& names, const NpyOptions& how)
-    : csv_to_standard_output_(names.csv == "-"), how_(how) {
-  if (!names.csv.empty() && !csv_to_standard_output_) csv_.emplace("--csv", names.csv);
-  if (!names.npy.empty()) npy_.emplace("--npy", names.npy);
-  if (names.hdf5.empty()) return;
-  static_cast<void>(load_hdf5("--hdf5"));
-  hdf5_.emplace("--hdf5", names.hdf5);
+    : csv_to_standard_output_(names.csv == "-"),
+      how_(how),
+      csv_("--csv", csv_to_standard_output_ ? "" : names.csv),
+      npy_("--npy", names.npy),
+      hdf5_("--hdf5", names.hdf5) {
+  if (hdf5_) static_cast<void>(load_hdf5("--hdf5"));
 }
 
 template <class Motion>
 void MotionFiles::write_all(const Motion& motion) {
   if (csv_to_standard_output_) write_to_standard_output(motion);
   if (csv_) {
-    write_csv(csv_->stream(), motion);
-    csv_->put();
+    write_csv(csv_.stream(), motion);
+    csv_.put();
   }
   if (npy_) {
-    write_npy(npy_->stream(), motion, how_);
-    npy_->put();
+    write_npy(npy_.stream(), motion, how_);
+    npy_.put();
   }
   if (hdf5_) {
-    write_hdf5(hdf5_->stream(), motion, how_);
-    hdf5_->put();
+    write_hdf5(hdf5_.stream(), motion, how_);
+    hdf5_.put();
   }
 }
 

@@ -1,7 +1,6 @@
 // The files into which a command writes the rows of a motion: CSV, NumPy's .npy, HDF5.
 #pragma once
 
-#include <optional>
 #include <string>
 
 #include "assur/ensemble.hpp"
@@ -31,7 +30,7 @@ class MotionFiles {
 
   bool csv_to_standard_output_;
   NpyOptions how_;
-  std::optional<Replacement> csv_, npy_, hdf5_;
+  Replacement csv_, npy_, hdf5_;
 };
 
 }  // namespace assur::output

@@ -80,7 +80,7 @@ void Page::fact(std::string_view label, std::string_view text) {
 void Page::list(std::string_view label, const std::vector<std::string>& texts) {
   for (std::size_t i = 0; i < std::min(texts.size(), kMostListed); ++i) fact(i == 0 ? label : "", texts[i]);
   if (texts.size() > kMostListed) {
-    fact("", "and " + grouped(static_cast<std::int64_t>(texts.size() - kMostListed)) + " more");
+    fact("", "and " + grouped(texts.size() - kMostListed) + " more");
   }
 }
 

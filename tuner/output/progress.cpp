@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <iostream>
 #include <string>
 
 #include "output/format.hpp"
@@ -38,6 +39,9 @@ Progress::Style Progress::style_of_standard_error() {
   const bool redraws = terminal == nullptr || (*terminal != '\0' && std::string_view(terminal) != "dumb");
   return isatty(STDERR_FILENO) == 1 && redraws ? Style::bar : Style::lines;
 }
+
+Progress::Progress(bool quiet, std::string_view noun)
+    : Progress(std::cerr, quiet ? Style::none : style_of_standard_error(), noun) {}
 
 void Progress::print(double seconds, std::int64_t done, std::int64_t of) {
   const double share = of > 0 ? static_cast<double>(done) / static_cast<double>(of) : 1;

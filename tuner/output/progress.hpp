@@ -21,6 +21,8 @@ class Progress {
       : out_(out), style_(style), noun_(noun), columns_(columns) {}
   Progress(std::ostream& out, Style style, std::string_view noun = "step")
       : Progress(out, style, noun, terminal_columns(out)) {}
+  // On standard error.
+  explicit Progress(bool quiet, std::string_view noun = "step");
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
   ~Progress() { clear(); }

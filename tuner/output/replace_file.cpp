@@ -41,6 +41,7 @@ int Replacement::Buffer::sync() {
 
 Replacement::Replacement(std::string option, fs::path file)
     : option_(std::move(option)), file_(std::move(file)), out_(&buffer_) {
+  if (file_.empty()) return;
   std::error_code none;
   const fs::path target = fs::is_symlink(file_, none) ? fs::weakly_canonical(file_, none) : file_;
   const bool plain = !fs::exists(target, none) || fs::is_regular_file(target, none);
@@ -69,6 +70,7 @@ void Replacement::check() const {
 }
 
 void Replacement::put() {
+  if (file_.empty()) return;
   out_.flush();
   errno = 0;
   const bool closed = buffer_.close_all();

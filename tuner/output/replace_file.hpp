@@ -14,12 +14,13 @@ namespace assur::output {
 class Replacement {
  public:
   // Opens the new file at once, so that a misspelt folder does not cost the work of an hour. option: named in messages;
-  // "": none.
+  // "": none. An empty name of a file is no file: the object is false, and put() does nothing.
   Replacement(std::string option, std::filesystem::path file);
   ~Replacement();  // without put(), removes the new file
   Replacement(const Replacement&) = delete;
   Replacement& operator=(const Replacement&) = delete;
 
+  explicit operator bool() const { return !file_.empty(); }
   [[nodiscard]] std::ostream& stream() { return out_; }
   void check() const;  // throws if something could not be written so far
   void put();

@@ -259,16 +259,15 @@ std::string Animation::data() const {
 std::vector<std::string> Animation::notes() const {
   std::vector<std::string> notes;
   if (stride_ > 1) {
-    notes.push_back(output::grouped(static_cast<std::int64_t>(times_.size())) + " of " +
-                    output::counted(last_ + 1, "posture") + " are shown, every " + output::grouped(stride_) +
+    notes.push_back(output::grouped(times_.size()) + " of " + output::counted(last_ + 1, "posture") +
+                    " are shown, every " + output::grouped(stride_) +
                     (stride_ == 2   ? "nd"
                      : stride_ == 3 ? "rd"
                                     : "th") +
                     ".");
   }
   if (shown_.size() < quantities_) {
-    notes.push_back(output::grouped(static_cast<std::int64_t>(shown_.size())) + " of " +
-                    output::counted(static_cast<std::int64_t>(quantities_), "diagram") +
+    notes.push_back(output::grouped(shown_.size()) + " of " + output::counted(quantities_, "diagram") +
                     " can be chosen; select others with --outputs.");
   }
   return notes;

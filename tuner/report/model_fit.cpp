@@ -115,8 +115,7 @@ Section model_fit(const Knowledge& knowledge, const Conditions&) {
   const double median = quantile(factors, 0.5), p95 = quantile(factors, 0.95), most = quantile(factors, 1);
   const auto add = [&](const char* quantity, double value) {
     out.measurements.push_back(
-        {"all samples", "", quantity, "1", value,
-         "computed from " + output::counted(static_cast<std::int64_t>(factors.size()), "sample")});
+        {"all samples", "", quantity, "1", value, "computed from " + output::counted(factors.size(), "sample")});
   };
   add("expected over measured, off by a factor, median", median);
   add("expected over measured, off by a factor, p95", p95);

@@ -60,9 +60,8 @@ std::string contents(const std::vector<Part>& parts) {
 std::string numbers(const Section& section) {
   const std::vector<Measurement>& all = section.measurements;
   if (all.empty()) return "";
-  std::string out = "<details><summary>All numbers of this section with their origin (" +
-                    output::grouped(static_cast<std::int64_t>(all.size())) + ")</summary>\n" +
-                    html(table_of(all, kMostRows));
+  std::string out = "<details><summary>All numbers of this section with their origin (" + output::grouped(all.size()) +
+                    ")</summary>\n" + html(table_of(all, kMostRows));
   if (all.size() > kMostRows) out += paragraph("The rest is in report.csv.", "faint");
   return out + "</details>\n";
 }

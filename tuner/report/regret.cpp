@@ -43,7 +43,7 @@ std::string item_of(const Question& q) {
   return q.scene + (without.empty() ? "" : ", " + without);
 }
 
-std::string questions_text(std::size_t count) { return output::counted(static_cast<std::int64_t>(count), "question"); }
+std::string questions_text(std::size_t count) { return output::counted(count, "question"); }
 
 // A choice in one question, with its time over the fastest, less 1.
 struct Choice {
@@ -178,11 +178,10 @@ Section regret_section(const std::vector<Answer>& answers, std::size_t planned) 
           "timed "
           "a second time, shows the error of the measurement. Times are corrected to the usual pace of the machine; "
           "several threads are timed while all cores have the same pace. Questions answered: " +
-          output::grouped(static_cast<std::int64_t>(answers.size())) + " of " +
-          output::grouped(static_cast<std::int64_t>(planned)) + "; " +
-          (winners.size() == 1 ? "one strategy is the fastest in all."
-                               : output::grouped(static_cast<std::int64_t>(winners.size())) +
-                                     " different strategies are the fastest in at least one.")) +
+          output::grouped(answers.size()) + " of " + output::grouped(planned) + "; " +
+          (winners.size() == 1
+               ? "one strategy is the fastest in all."
+               : output::grouped(winners.size()) + " different strategies are the fastest in at least one.")) +
       html(summary(everybody));
 
   everybody.pop_back();

@@ -42,14 +42,12 @@ Section tuning_cost(const Knowledge& knowledge, const Conditions&) {
   for (const Line& l : kLines) plot.series.push_back({l.name, {}, l.colour, l.mark, Series::Line::straight});
   for (const tuning::Stage& s : stages) {
     const double seconds = s.share * run.seconds;
-    const std::string item =
-        "after " + output::duration(seconds) + ", " + output::counted(static_cast<std::int64_t>(s.samples), "sample");
+    const std::string item = "after " + output::duration(seconds) + ", " + output::counted(s.samples, "sample");
     for (std::size_t i = 0; i < kLines.size(); ++i) {
       const double regret = s.regret.*kLines[i].regret;
       out.measurements.push_back({item, "auto", kLines[i].quantity, "1", regret,
                                   "replayed from run " + std::to_string(run.id) + " of " + knowledge.tuning->file +
-                                      ", " +
-                                      output::counted(static_cast<std::int64_t>(s.regret.questions), "question")});
+                                      ", " + output::counted(s.regret.questions, "question")});
       plot.series[i].points.push_back(
           {seconds, 100 * regret, item + ": " + kLines[i].quantity + " " + percent(regret)});
     }
@@ -59,7 +57,7 @@ Section tuning_cost(const Knowledge& knowledge, const Conditions&) {
   const tuning::Regret& last = stages.back().regret;
   out.body = paragraph("The tuning run (" + run.profile + ", " + output::duration(run.seconds) +
                        ") is replayed in its order: a model of the samples so far chooses for " +
-                       output::counted(static_cast<std::int64_t>(last.questions), "cell") +
+                       output::counted(last.questions, "cell") +
                        " that were measured but held out. With all samples, its choices are slower than the best by " +
                        percent(last.mean) + " on average, " + percent(last.p95) + " (95th percentile) and " +
                        percent(last.max) + " (max).");

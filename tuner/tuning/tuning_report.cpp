@@ -70,8 +70,6 @@ std::string crossovers(std::span<const Winner> family) {
   return text;
 }
 
-Json or_null(bool there, double value) { return there ? Json(value) : Json(nullptr); }
-
 }  // namespace
 
 std::vector<Winner> winners(std::span<const CellResult> cells) {
@@ -106,7 +104,7 @@ std::vector<Winner> winners(std::span<const CellResult> cells) {
 
 void print(Page& page, const TuningSummary& s) {
   page.title("Tuning run" + (s.run ? " " + std::to_string(*s.run) : std::string()) + ", " + s.profile);
-  const auto count = [](std::size_t cells) { return grouped(static_cast<std::int64_t>(cells)); };
+  const auto count = [](std::size_t cells) { return grouped(cells); };
   std::string samples = grouped(s.figures.samples) + " of " + count(s.figures.measured) + " cells in " +
                         duration(s.seconds) + "; " + count(s.figures.planned) + " planned";
   if (s.figures.passes > 1) samples += ", each measured up to " + count(s.figures.passes) + " times";
@@ -154,8 +152,8 @@ Json to_json(const TuningSummary& s) {
   Json failed = Json::array();
   for (const auto& [backend, why] : s.failed) failed.push_back({{"backend", backend}, {"why_not", why}});
   const bool judged = s.regret.questions > 0;
-  return {{"tuning_run", s.run ? Json(*s.run) : Json(nullptr)},
-          {"database", s.database.empty() ? Json(nullptr) : Json(s.database)},
+  return {{"tuning_run", or_null(s.run)},
+          {"database", or_null(s.database)},
           {"profile", s.profile},
           {"grade", s.grade},
           {"reason", s.reason},

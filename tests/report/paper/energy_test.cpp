@@ -1,5 +1,5 @@
 // Counters of artificial packages.
-#include "report/energy.hpp"
+#include "report/paper/energy.hpp"
 
 #include <gtest/gtest.h>
 

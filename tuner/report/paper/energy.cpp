@@ -1,4 +1,4 @@
-#include "report/energy.hpp"
+#include "report/paper/energy.hpp"
 
 #include <fstream>
 #include <optional>

@@ -7,8 +7,8 @@
 
 #include "assur/performance.hpp"
 #include "measure/noise.hpp"
-#include "report/energy.hpp"
 #include "report/paper/device_parts.hpp"
+#include "report/paper/energy.hpp"
 #include "report/paper/plan.hpp"
 #include "report/sections.hpp"
 

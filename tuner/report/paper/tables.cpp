@@ -205,9 +205,8 @@ void finish(Section& section, const PaperResults& results, int table) {
   if (rows.empty()) return;
   std::stable_sort(rows.begin(), rows.end(),
                    [](const auto* a, const auto* b) { return a->cell.total() < b->cell.total(); });
-  section.body +=
-      "<details><summary>All runs on this machine: " + output::counted(static_cast<std::int64_t>(rows.size()), "run") +
-      "</summary>\n" + small(details_table(rows)) + "</details>\n";
+  section.body += "<details><summary>All runs on this machine: " + output::counted(rows.size(), "run") +
+                  "</summary>\n" + small(details_table(rows)) + "</details>\n";
 }
 
 // ---- table 2
