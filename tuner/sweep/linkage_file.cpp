@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <system_error>
 #include <utility>
 
@@ -15,15 +16,17 @@ struct LinkageFile::Impl {
   using File = output::Hdf5File;
   using Type = File::Type;
 
+  using Rows = std::span<const LinkageRow>;
+
   // One data set of the file, with a first dimension that grows.
   struct Column {
     const char* name;
-    Type stored, given;  // in the file and in memory
-    File::Shape row;     // shape of a row
+    Type stored;
+    File::Shape row;                                  // shape of a row
+    std::function<bool(const Column&, Rows)> append;  // false if it fails
   };
 
   std::string name;
-  std::size_t joints, times;
   std::unique_ptr<File> file;
   std::vector<Column> columns;
   LinkageCounts counts;
@@ -38,26 +41,66 @@ struct LinkageFile::Impl {
     if (!is_done) fail();
   }
 
-  Impl(std::string file_name, const LinkageSet& set)
-      : name(std::move(file_name)), joints(static_cast<std::size_t>(set.joints.most)), times(set.times.size()) {
+  Impl(std::string file_name, const LinkageSet& set) : name(std::move(file_name)) {
     output::OpenHdf5* const open_file = output::load_hdf5("--out");
-    const std::uint64_t j = joints;
-    columns = {{"sample", Type::i64, Type::i64, {}},
-               {"joints", Type::i32, Type::i32, {}},
-               {"kind", Type::u8, Type::u8, {j}},
-               {"left", Type::u8, Type::u8, {j}},
-               {"parents", Type::u16, Type::u16, {j, 2}},
-               {"values", Type::f64, Type::f64, {j, 3}},
-               {"curves", set.single ? Type::f32 : Type::f64, Type::f64, {times, 2}},
-               {"center", Type::f64, Type::f64, {2}},
-               {"radius", Type::f64, Type::f64, {}},
-               {"angle", Type::f64, Type::f64, {}},
-               {"error", Type::f64, Type::f64, {}}};
-    if (!set.target.empty()) columns.push_back({"distance", Type::f64, Type::f64, {}});
+    add_columns(set);
     std::error_code ignored;
     const bool exists = std::filesystem::exists(name, ignored);
     file.reset(open_file(exists ? File::Access::change : File::Access::create, name.c_str()));
     exists ? open(set) : create(set);
+  }
+
+  // T: type of the values that `fill` writes for a row, `given` in HDF5.
+  template <class T>
+  void add(const char* of, Type given, File::Shape row, const std::function<void(const LinkageRow&, T*)>& fill,
+           std::optional<Type> stored = {}) {
+    columns.push_back({of, stored.value_or(given), std::move(row), [this, given, fill](const Column& c, Rows rows) {
+                         std::size_t each = 1;
+                         for (const std::uint64_t n : c.row) each *= n;
+                         std::vector<T> values(rows.size() * each);
+                         for (std::size_t i = 0; i < rows.size(); ++i) fill(rows[i], values.data() + i * each);
+                         return file->append(c.name, static_cast<std::uint64_t>(counts.rows), rows.size(), given,
+                                             values.data());
+                       }});
+  }
+  // `each` values of every joint.
+  template <class T, class Fill>
+  void add_of_joints(const char* of, Type given, std::uint64_t joints, std::uint64_t each, const Fill& fill) {
+    add<T>(of, given, each == 1 ? File::Shape{joints} : File::Shape{joints, each},
+           [each, fill](const LinkageRow& row, T* to) {
+             for (const LinkageJoint& joint : row.linkage.joints) {
+               fill(joint, to);
+               to += each;
+             }
+           });
+  }
+
+  void add_columns(const LinkageSet& set) {
+    using R = LinkageRow;
+    using J = LinkageJoint;
+    const auto joints = static_cast<std::uint64_t>(set.joints.most);
+    add<std::int64_t>("sample", Type::i64, {}, [](const R& r, auto* to) { *to = r.sample; });
+    add<std::int32_t>("joints", Type::i32, {},
+                      [](const R& r, auto* to) { *to = static_cast<std::int32_t>(r.linkage.joints.size()); });
+    add_of_joints<std::uint8_t>("kind", Type::u8, joints, 1,
+                                [](const J& j, auto* to) { *to = static_cast<std::uint8_t>(j.kind); });
+    add_of_joints<std::uint8_t>("left", Type::u8, joints, 1, [](const J& j, auto* to) { *to = j.left ? 1 : 0; });
+    add_of_joints<std::uint16_t>("parents", Type::u16, joints, 2, [](const J& j, auto* to) {
+      to[0] = j.first;
+      to[1] = j.second;
+    });
+    add_of_joints<double>("values", Type::f64, joints, 3,
+                          [](const J& j, auto* to) { std::copy(j.value.begin(), j.value.end(), to); });
+    const auto curve = [](const R& r, double* to) {
+      for (const PlanePoint& p : r.curve) to = std::copy(p.begin(), p.end(), to);
+    };
+    add<double>("curves", Type::f64, {set.times.size(), 2}, curve, set.single ? Type::f32 : Type::f64);
+    add<double>("center", Type::f64, {2},
+                [](const R& r, auto* to) { std::copy(r.frame.center.begin(), r.frame.center.end(), to); });
+    add<double>("radius", Type::f64, {}, [](const R& r, auto* to) { *to = r.frame.radius; });
+    add<double>("angle", Type::f64, {}, [](const R& r, auto* to) { *to = r.frame.angle; });
+    add<double>("error", Type::f64, {}, [](const R& r, auto* to) { *to = r.error; });
+    if (!set.target.empty()) add<double>("distance", Type::f64, {}, [](const R& r, auto* to) { *to = r.distance; });
   }
 
   [[nodiscard]] static std::vector<std::pair<const char*, std::int64_t>> description(const LinkageSet& set) {
@@ -94,7 +137,7 @@ struct LinkageFile::Impl {
   void create(const LinkageSet& set) {
     check(file != nullptr);
     for (const Column& c : columns) check(file->add_rows(c.name, c.stored, c.row));
-    check(file->add("times", Type::f64, {times}, set.times.data()));
+    check(file->add("times", Type::f64, {set.times.size()}, set.times.data()));
     if (!set.target.empty()) {
       check(file->add("target", Type::f64, {set.target.size(), 2}, set.target.data()->data()));
     }
@@ -121,59 +164,13 @@ struct LinkageFile::Impl {
     }
   }
 
-  // Values of all rows, one after another.
-  template <class T>
-  void write(std::size_t column, std::span<const LinkageRow> all,
-             const std::function<void(const LinkageRow&, T*)>& fill) {
-    std::size_t each = 1;
-    for (const std::uint64_t n : columns[column].row) each *= n;
-    std::vector<T> values(all.size() * each);
-    for (std::size_t i = 0; i < all.size(); ++i) fill(all[i], values.data() + i * each);
-    const Column& c = columns[column];
-    check(file->append(c.name, static_cast<std::uint64_t>(counts.rows), all.size(), c.given, values.data()));
-  }
-
-  // Values of all joints of all rows.
-  template <class T>
-  void write_joints(std::size_t column, std::span<const LinkageRow> all,
-                    const std::function<void(const LinkageJoint&, T*)>& fill) {
-    write<T>(column, all, [&](const LinkageRow& row, T* to) {
-      std::size_t each = 1;
-      for (std::size_t i = 1; i < columns[column].row.size(); ++i) each *= columns[column].row[i];
-      for (const LinkageJoint& joint : row.linkage.joints) {
-        fill(joint, to);
-        to += each;
-      }
-    });
-  }
-
-  void append(std::span<const LinkageRow> all, const LinkageCounts& more) {
-    if (!all.empty()) {
-      write<std::int64_t>(0, all, [](const LinkageRow& r, auto* to) { *to = r.sample; });
-      write<std::int32_t>(1, all,
-                          [](const LinkageRow& r, auto* to) { *to = static_cast<int>(r.linkage.joints.size()); });
-      write_joints<std::uint8_t>(2, all,
-                                 [](const LinkageJoint& j, auto* to) { *to = static_cast<std::uint8_t>(j.kind); });
-      write_joints<std::uint8_t>(3, all, [](const LinkageJoint& j, auto* to) { *to = j.left ? 1 : 0; });
-      write_joints<std::uint16_t>(4, all, [](const LinkageJoint& j, auto* to) {
-        to[0] = j.first;
-        to[1] = j.second;
-      });
-      write_joints<double>(5, all,
-                           [](const LinkageJoint& j, auto* to) { std::copy(j.value.begin(), j.value.end(), to); });
-      write<double>(6, all, [](const LinkageRow& r, auto* to) {
-        for (const PlanePoint& p : r.curve) to = std::copy(p.begin(), p.end(), to);
-      });
-      write<double>(7, all,
-                    [](const LinkageRow& r, auto* to) { std::copy(r.frame.center.begin(), r.frame.center.end(), to); });
-      write<double>(8, all, [](const LinkageRow& r, auto* to) { *to = r.frame.radius; });
-      write<double>(9, all, [](const LinkageRow& r, auto* to) { *to = r.frame.angle; });
-      write<double>(10, all, [](const LinkageRow& r, auto* to) { *to = r.error; });
-      if (columns.size() > 11) write<double>(11, all, [](const LinkageRow& r, auto* to) { *to = r.distance; });
-      check(file->flush());
+  void append(Rows rows, const LinkageCounts& more) {
+    if (!rows.empty()) {
+      for (const Column& c : columns) check(c.append(c, rows));
+      check(file->flush());  // before they count
     }
     counts.samples += more.samples;
-    counts.rows += static_cast<std::int64_t>(all.size());
+    counts.rows += static_cast<std::int64_t>(rows.size());
     counts.jammed += more.jammed;
     counts.not_closed += more.not_closed;
     counts.inaccurate += more.inaccurate;
