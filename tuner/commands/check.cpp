@@ -32,9 +32,7 @@ std::vector<check::Case> cases_of(const Common& common, const CheckOptions& opti
   std::vector<check::Case> cases = check::all_cases();
   if (!options.only.empty()) {
     std::erase_if(cases, [&](const check::Case& c) { return !c.name.starts_with(options.only); });
-    if (cases.empty()) {
-      throw Error(Error::Kind::input, {{"--case", "no case has a name that starts with \"" + options.only + "\""}});
-    }
+    if (cases.empty()) refuse("--case", "no case has a name that starts with \"" + options.only + "\"");
   } else if (options.quick) {
     std::erase_if(cases, [](const check::Case& c) { return !c.quick; });
   }

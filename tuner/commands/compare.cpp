@@ -43,8 +43,7 @@ std::optional<std::vector<Strategy>> strategies_of(const CompareOptions& options
     if (text == "auto") continue;
     all.push_back(parse_strategy(text));
     if (all.back().run.chunks == 1) continue;
-    throw Error(Error::Kind::input,
-                {{"--strategies", text + ": compare times single steps, and chunks have none; remove +chunks="}});
+    refuse("--strategies", text + ": compare times single steps, and chunks have none; remove +chunks=");
   }
   return all;
 }

@@ -64,7 +64,7 @@ Scene open(const Common& common, const std::string& scene, const Parameters& set
   if (!is_model(scene)) {
     for (const auto& [option, given] :
          {std::pair("--key", !common.model.key.empty()), std::pair("--drive", !common.model.drive.empty())}) {
-      if (given) throw Error(Error::Kind::input, {{option, "is for models of MuJoCo, files that end with .xml"}});
+      if (given) refuse(option, "is for models of MuJoCo, files that end with .xml");
     }
     return open_scene(scene, set, common.tables);
   }

@@ -57,10 +57,8 @@ int run(const Common& common, const RunOptions& options) {
   const Prepared prepared = prepare_or_show(scene, how, modes, options);
   Simulator simulator(prepared, settings_of(options));
   output::MotionFiles files(options.motion, options.motion_how);
-  std::optional<output::ErrorsCsv> errors;
-  if (!options.errors.empty()) errors.emplace(options.errors);
-  output::Replacement animation("--animate", options.animate), picture("--picture", options.picture),
-      plot("--plot", options.plot);
+  output::Replacement errors("--errors", options.errors), animation("--animate", options.animate),
+      picture("--picture", options.picture), plot("--plot", options.plot);
 
   const std::int64_t steps = scene.time().steps();
   Progress progress(common.quiet);
@@ -97,7 +95,7 @@ int run(const Common& common, const RunOptions& options) {
     plot.stream() << pictures::outputs_over_time(prepared, trajectory, ending(report));
     plot.put();
   }
-  bool all_written = !errors || write_errors(simulator, options, *errors, progress);
+  bool all_written = !errors || write_errors(simulator, options, errors, progress);
   if (animation || picture) {
     const bool is_whole =
         write_animation(prepared, report, how, modes, options, animation ? &animation.stream() : nullptr,

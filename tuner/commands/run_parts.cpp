@@ -19,18 +19,17 @@ TimeGrid grid_of(const TimeGrid& scene, const RunOptions& options) {
   TimeGrid grid = scene;
   grid.start = options.start.value_or(scene.start);
   grid.step = options.dt.value_or(scene.step);
-  if (!(grid.step > 0)) throw Error(Error::Kind::input, {{"--dt", "the scene has no time step; give one"}});
+  if (!(grid.step > 0)) refuse("--dt", "the scene has no time step; give one");
   if (options.steps) {
     grid.end = grid.time(*options.steps);
     return grid;
   }
   const double steps = (grid.end - grid.start) / grid.step;
   if (std::round(steps) < 1 || std::abs(steps - std::round(steps)) > kWholeSteps * std::max(1.0, steps)) {
-    throw Error(Error::Kind::input,
-                {{options.dt ? "--dt" : "--start",
-                  "from " + output::number(grid.start) + " s to the scene's end at " + output::number(grid.end) +
-                      " s there are " + output::number(steps) + " steps of " + output::number(grid.step) +
-                      " s, which is not a whole number >= 1; give the number with --steps"}});
+    refuse(options.dt ? "--dt" : "--start", "from " + output::number(grid.start) + " s to the scene's end at " +
+                                                output::number(grid.end) + " s there are " + output::number(steps) +
+                                                " steps of " + output::number(grid.step) +
+                                                " s, which is not a whole number >= 1; give the number with --steps");
   }
   return grid;
 }
@@ -39,8 +38,7 @@ TimeGrid grid_of(const TimeGrid& scene, const RunOptions& options) {
 void check_mode(const RunOptions& options, bool chunks) {
   if (options.mode != Mode::latency || (!chunks && options.ensemble.empty())) return;
   const std::string what = chunks ? "+chunks= runs parts of the time grid" : "--ensemble runs its members";
-  throw Error(Error::Kind::input, {{"--mode", "latency runs one mechanism step by step, but " + what +
-                                                  " side by side; remove one of them"}});
+  refuse("--mode", "latency runs one mechanism step by step, but " + what + " side by side; remove one of them");
 }
 
 }  // namespace

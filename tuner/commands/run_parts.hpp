@@ -10,10 +10,10 @@
 #include "assur/plan.hpp"
 #include "assur/simulator.hpp"
 #include "commands/commands.hpp"
-#include "commands/errors_csv.hpp"
 #include "commands/run_report.hpp"
 #include "measure/step_times.hpp"
 #include "output/progress.hpp"
+#include "output/replace_file.hpp"
 
 namespace assur::command {
 
@@ -38,8 +38,8 @@ void print(const Common& common, const RunOptions& options, const output::RunSum
 // Throws Error (input) if --errors is given and there are no single steps.
 void check_errors(const RunOptions& options, const PrepareOptions& how);
 // Repeats the motion for --errors and examines every group after each step, so that this does not affect the times of
-// the first run. False if interrupted.
-[[nodiscard]] bool write_errors(Simulator& simulator, const RunOptions& options, output::ErrorsCsv& csv,
+// the first run. The file has a row for each step and group; unknown values are empty. False if interrupted.
+[[nodiscard]] bool write_errors(Simulator& simulator, const RunOptions& options, output::Replacement& csv,
                                 output::Progress& progress);
 
 // Repeats the motion for --animate and --picture, step by step and with all points; null: not requested. False if

@@ -115,10 +115,8 @@ void print_errors(Page& page, const ErrorFigures& e) {
   table.row({label("error"), "position", "velocity", "acceleration"});
   table.row({label("  residual"), error_figure(e.position), error_figure(e.velocity), error_figure(e.acceleration)});
   const auto row = [&](const char* what, const auto& position, const auto& velocity, const auto& acceleration) {
-    const auto figure = [](const std::optional<double>& v) { return v ? error_figure(*v) : std::string("-"); };
-    if (position || velocity || acceleration) {
-      table.row({label(what), figure(position), figure(velocity), figure(acceleration)});
-    }
+    if (!position && !velocity && !acceleration) return;
+    table.row({label(what), error_figure(position), error_figure(velocity), error_figure(acceleration)});
   };
   row("  estimated", e.estimated_position, e.estimated_velocity, e.estimated_acceleration);
   row("  forward", e.forward_position, e.forward_velocity, e.forward_acceleration);

@@ -11,10 +11,6 @@
 namespace assur::command {
 namespace {
 
-[[noreturn]] void refuse_choice(const std::string& option, const std::string& what) {
-  throw Error(Error::Kind::input, {{option, what}});
-}
-
 // True if the group has this name, or solves a point, vector or scalar of this name.
 bool is_meant(const AssemblyModes& m, std::string_view name) {
   return m.group == name || std::any_of(m.unknowns.begin(), m.unknowns.end(), [&](const std::string& unknown) {
@@ -29,10 +25,10 @@ std::string only_group(const std::vector<AssemblyModes>& all) {
     if (m.modes.size() > (m.has_start ? 1 : 0)) names.push_back(m.group);
   }
   if (names.size() == 1) return names.front();
-  refuse_choice("--start-mode",
-                names.empty() ? "no group has a mode to choose; see assur inspect SCENE --modes"
-                              : "several groups have modes to choose; name one of them: " + output::listed(names, 12) +
-                                    ", as in --start-mode " + names.front() + "=1");
+  refuse("--start-mode", names.empty()
+                             ? "no group has a mode to choose; see assur inspect SCENE --modes"
+                             : "several groups have modes to choose; name one of them: " + output::listed(names, 12) +
+                                   ", as in --start-mode " + names.front() + "=1");
 }
 
 // A choice that one of the two options makes.
@@ -49,8 +45,8 @@ std::vector<ModeChoice> chosen_modes(const Scene& scene, const ModeOptions& opti
   for (const auto& [name, mode] : options.modes) wishes.push_back({"--start-mode", name, &mode, nullptr});
   for (const auto& [name, at] : options.guesses) {
     if (std::ssize(at) != scene.dimension()) {
-      refuse_choice("--guess " + excerpt(name), "the scene has dimension " + std::to_string(scene.dimension()) +
-                                                    "; give " + (scene.dimension() == 2 ? "x,y" : "x,y,z"));
+      refuse("--guess " + excerpt(name), "the scene has dimension " + std::to_string(scene.dimension()) + "; give " +
+                                             (scene.dimension() == 2 ? "x,y" : "x,y,z"));
     }
   }
   std::vector<Triple> places;
@@ -69,8 +65,8 @@ std::vector<ModeChoice> chosen_modes(const Scene& scene, const ModeOptions& opti
       if (std::any_of(all.begin(), all.end(), [&](const AssemblyModes& m) { return is_meant(m, wish.name); })) continue;
       std::vector<std::string_view> known;
       for (const AssemblyModes& m : all) known.emplace_back(m.group);
-      refuse_choice(wish.option, "no group has the name " + in_quotes(wish.name) + " or solves a point of that name" +
-                                     known_instead(wish.name, known));
+      refuse(wish.option, "no group has the name " + in_quotes(wish.name) + " or solves a point of that name" +
+                              known_instead(wish.name, known));
     }
     for (const AssemblyModes& m : all) {
       const auto meant = [&](const Wish& wish) { return is_meant(m, wish.name); };
@@ -78,14 +74,13 @@ std::vector<ModeChoice> chosen_modes(const Scene& scene, const ModeOptions& opti
       if (wish == wishes.end()) continue;
       const std::string option = wish->option + " " + excerpt(wish->name);
       if (std::count_if(wishes.begin(), wishes.end(), meant) > 1) {
-        refuse_choice(option, "the mode of group " + m.group + " is chosen twice");
+        refuse(option, "the mode of group " + m.group + " is chosen twice");
       }
-      if (!m.why_none.empty()) refuse_choice(option, "group " + m.group + " " + m.why_none);
-      if (m.modes.empty()) refuse_choice(option, "group " + m.group + " has no posture");
+      if (!m.why_none.empty()) refuse(option, "group " + m.group + " " + m.why_none);
+      if (m.modes.empty()) refuse(option, "group " + m.group + " has no posture");
       if (wish->mode != nullptr && *wish->mode >= m.modes.size()) {
-        refuse_choice(option, "group " + m.group + " has no mode " + std::to_string(*wish->mode) +
-                                  "; its modes are 0 to " + std::to_string(m.modes.size() - 1) +
-                                  " (assur inspect SCENE --modes)");
+        refuse(option, "group " + m.group + " has no mode " + std::to_string(*wish->mode) + "; its modes are 0 to " +
+                           std::to_string(m.modes.size() - 1) + " (assur inspect SCENE --modes)");
       }
       chosen.push_back({m.group, wish->mode != nullptr ? *wish->mode : m.nearest(wish->name, *wish->at)});
       wishes.erase(wish);

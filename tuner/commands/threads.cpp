@@ -11,9 +11,8 @@ void check_threads(const Common& common) {
   const Machine machine = this_machine();
   const std::string threads = std::to_string(common.threads);
   if (common.threads > machine.processors) {
-    throw Error(Error::Kind::input, {{"--threads", threads + " threads are too many: this process may use " +
-                                                       std::to_string(machine.processors) +
-                                                       (machine.processors == 1 ? " processor" : " processors")}});
+    refuse("--threads", threads + " threads are too many: this process may use " + std::to_string(machine.processors) +
+                            (machine.processors == 1 ? " processor" : " processors"));
   }
   if (common.threads > machine.budget().threads && !common.quiet) {
     std::cerr << "warning: --threads: " << threads << " threads exceed the budget of this machine; "

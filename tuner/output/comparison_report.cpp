@@ -13,8 +13,6 @@ using measure::WorkPrecisionRow;
 
 constexpr double kSmallShare = 0.005;  // times with a smaller relative difference are equal
 
-std::string figure(const std::optional<double>& value) { return value ? error_figure(*value) : "-"; }
-
 Json to_json(const WorkPrecision& result, const WorkPrecisionRow& row, double accuracy) {
   const bool picked = std::find(row.picked.begin(), row.picked.end(), accuracy) != row.picked.end();
   const auto error = [&](double ForwardError::*which) { return row.error ? Json((*row.error).*which) : Json(nullptr); };
@@ -43,7 +41,7 @@ void print_rows(Page& page, const WorkPrecision& result) {
     if (!row.seconds) continue;
     const auto error = [&](double ForwardError::*which) { return row.error ? error_figure((*row.error).*which) : "-"; };
     table.row({duration(*row.seconds), error(&ForwardError::position), error(&ForwardError::velocity),
-               error(&ForwardError::acceleration), figure(row.estimated), row.on_front ? "front" : "",
+               error(&ForwardError::acceleration), error_figure(row.estimated), row.on_front ? "front" : "",
                way_text(row) + (row.picked.empty() ? "" : "  <- auto " + accuracies_text(row.picked))});
   }
   page.table(table);

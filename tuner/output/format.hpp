@@ -4,6 +4,7 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -36,6 +37,9 @@ inline constexpr std::size_t kPageWidth = 80;  // columns
 
 // Two digits with an exponent: "2.2e-16"; "0" for zero, "-" for NaN (unknown), "not finite" if infinite.
 [[nodiscard]] std::string error_figure(double value);
+[[nodiscard]] inline std::string error_figure(const std::optional<double>& value) {
+  return value ? error_figure(*value) : "-";
+}
 
 // "a, b, c", or "a, b, c and 12 more" beyond `most`.
 [[nodiscard]] std::string listed(const std::vector<std::string>& names, std::size_t most = 20);

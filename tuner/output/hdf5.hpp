@@ -1,5 +1,6 @@
-// Files in HDF5. Only the module assur_hdf5.so is linked to HDF5, and it is loaded for the first file: HDF5 brings thirty
-// libraries, for networks and keys, with which every command took 18 ms to start instead of 10 ms (perf stat -r 50).
+// Files in HDF5. Only the module assur_hdf5.so is linked to HDF5, and it is loaded for the first file: HDF5 brings
+// thirty libraries, for networks and keys, with which every command took 18 ms to start instead of 10 ms (perf stat -r
+// 50).
 #pragma once
 
 #include <cstdint>

@@ -85,7 +85,7 @@ HtmlTable table_of_rows(const ComparisonSummary& s) {
         {{at == front.end() ? "" : std::to_string(at - front.begin() + 1), output::way_text(row), asked,
           row.seconds ? output::duration(*row.seconds) : "-", row.seconds ? output::duration(row.spread) : "-",
           std::to_string(row.rounds), error(&ForwardError::position), error(&ForwardError::velocity),
-          error(&ForwardError::acceleration), row.estimated ? error_figure(*row.estimated) : "-", row.status},
+          error(&ForwardError::acceleration), error_figure(row.estimated), row.status},
          row.on_front ? "strong" : ""});
   }
   return table;

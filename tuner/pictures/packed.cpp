@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <string_view>
 
 #include "numbers.hpp"
@@ -13,12 +12,12 @@ namespace {
 constexpr std::uint32_t kNotFinite = (1U << 24U) - 1;
 constexpr double kSteps = kNotFinite - 1;
 
-void append(std::string& text, std::uint32_t bits) {
+}  // namespace
+
+void append_letters(std::string& text, std::uint32_t bits) {
   static constexpr std::string_view kLetters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   for (const unsigned shift : {18U, 12U, 6U, 0U}) text += kLetters[(bits >> shift) & 63U];
 }
-
-}  // namespace
 
 Packed packed(std::span<const double> rows, std::size_t width) {
   Packed out{std::vector(width, kInfinity), std::vector(width, 0.0), {}};
@@ -36,7 +35,8 @@ Packed packed(std::span<const double> rows, std::size_t width) {
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const std::size_t c = i % width;
     const double share = out.span[c] > 0 ? (rows[i] - out.low[c]) / out.span[c] : 0;
-    append(out.text, std::isfinite(rows[i]) ? static_cast<std::uint32_t>(std::lround(share * kSteps)) : kNotFinite);
+    append_letters(out.text,
+                   std::isfinite(rows[i]) ? static_cast<std::uint32_t>(std::lround(share * kSteps)) : kNotFinite);
   }
   return out;
 }

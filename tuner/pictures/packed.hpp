@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
@@ -13,6 +14,9 @@ struct Packed {
   std::vector<double> low, span;  // width
   std::string text;               // 4 letters for each number; all bits set: not finite
 };
+
+// Appends 24 bits as four letters of base64.
+void append_letters(std::string& text, std::uint32_t bits);
 
 [[nodiscard]] Packed packed(std::span<const double> rows, std::size_t width);
 

@@ -5,6 +5,7 @@
 
 #include "output/format.hpp"
 #include "pictures/html.hpp"
+#include "pictures/packed.hpp"
 #include "pictures/plot.hpp"
 
 namespace assur::pictures {
@@ -88,18 +89,15 @@ std::string plots_of_ends(const SweepPage& page) {
 }
 
 std::string base64(std::string_view bytes) {
-  constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::string text;
   for (std::size_t i = 0; i < bytes.size(); i += 3) {
     std::uint32_t bits = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      bits = bits << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0U);
-    }
-    for (std::size_t k = 0; k < 4; ++k) {
-      text += i + k > bytes.size() ? '=' : kDigits[bits >> (18 - 6 * k) & 63];
-    }
+    for (std::size_t k = i; k < i + 3; ++k)
+      bits = bits << 8 | (k < bytes.size() ? static_cast<unsigned char>(bytes[k]) : 0U);
+    append_letters(text, bits);
   }
-  return text;
+  const std::size_t filled = (3 - bytes.size() % 3) % 3;
+  return text.replace(text.size() - filled, filled, filled, '=');
 }
 
 std::string best_of(const SweepPage& page) {

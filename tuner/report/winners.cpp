@@ -13,9 +13,12 @@
 #include "report/sections.hpp"
 #include "structure/grouped_system.hpp"
 #include "tuning/mechanisms.hpp"
+#include "tuning/tuning_report.hpp"
 
 namespace assur::report {
 namespace {
+
+using output::short_text;
 
 constexpr double kSameCount = 1.05;  // numbers of groups up to this ratio are equal: 102 and the tuner's 100
 
@@ -66,12 +69,6 @@ std::vector<Column> matrices() {
     out.push_back({std::to_string(n), shape});
   }
   return out;
-}
-
-// The strategy without its formulation, which is irrelevant here.
-std::string short_text(const Strategy& strategy) {
-  const std::string text = to_string(strategy);
-  return text.substr(text.find('/') + 1);
 }
 
 // The sample that gives the time of the winner; null if the time is predicted.

@@ -9,6 +9,11 @@
 #include "output/format.hpp"
 
 namespace assur::output {
+std::string short_text(const Strategy& strategy) {
+  const std::string text = to_string(strategy);
+  return text.substr(text.find('/') + 1);
+}
+
 namespace {
 
 using tuning::Cell;
@@ -17,12 +22,6 @@ using tuning::CellResult;
 constexpr int kSolutions = 3;    // solutions for one factorisation, as in a step
 constexpr int kSideBySide = 16;  // groups
 constexpr std::size_t kMostFailures = 5;
-
-// The strategy without its formulation, which matrices do not have.
-std::string short_text(const Strategy& strategy) {
-  const std::string text = to_string(strategy);
-  return text.substr(text.find('/') + 1);
-}
 
 // The fastest candidate with no more lanes than `groups`.
 std::optional<Winner> fastest(const CellResult& cell, Kernel kernel, int groups) {

@@ -29,6 +29,9 @@ struct TuningSummary {
   std::span<const tuning::CellResult> cells;
 };
 
+// The strategy without its formulation, which matrices do not have.
+[[nodiscard]] std::string short_text(const Strategy& strategy);
+
 // The fastest candidate of a cell.
 struct Winner {
   std::string family;              // together with `kernel`: the series in which winners can be compared
