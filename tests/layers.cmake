@@ -25,7 +25,7 @@ macro(check_order root)
   endforeach()
 endmacro()
 
-check_order(${TUNER} measure output sweep pictures check tuning report commands enough_memory.cpp main.cpp)
+check_order(${TUNER} measure mechanisms output sweep pictures check tuning report commands enough_memory.cpp main.cpp)
 
 set(lib_layers version.hpp status.hpp status.cpp machine.hpp parallel backend.hpp strategy.hpp strategy.cpp backends
   report.hpp report.cpp status_text.hpp status_text.cpp number.hpp law.hpp scene.hpp scene joints builder files samples

@@ -14,7 +14,7 @@
 
 #include "assur/ensemble.hpp"
 #include "check/left_open.hpp"
-#include "check/random_mechanism.hpp"
+#include "mechanisms/random_mechanism.hpp"
 #include "numbers.hpp"
 #include "plan/preparation.hpp"
 #include "simulation/any_mechanism.hpp"
@@ -60,7 +60,7 @@ Scene member(std::uint64_t seed, std::size_t i) {
     Draw draw(seed, i == 0 ? 0 : 0.02, i);
     return test::any_mechanism(draw);
   }
-  check::RandomMechanism m = check::random_mechanism(seed, ASSUR_SOURCE_DIR "/tests/data/tables");
+  mechanisms::RandomMechanism m = mechanisms::random_mechanism(seed, ASSUR_SOURCE_DIR "/tests/data/tables");
   if (i > 0) m.json = faster(nlohmann::ordered_json::parse(m.json), 1 + 0.1 * static_cast<double>(i)).dump();
   return m.scene();
 }

@@ -14,6 +14,8 @@
 namespace assur::check {
 namespace {
 
+using mechanisms::random_mechanism;
+using mechanisms::RandomMechanism;
 using Verdict = Trial::Verdict;
 
 std::uint64_t first_seed() {

@@ -13,13 +13,18 @@
 #include <vector>
 
 #include "assur/plan.hpp"
-#include "check/plain_motion.hpp"
 #include "equations/system.hpp"
+#include "mechanisms/plain_motion.hpp"
 #include "simulation/random_count.hpp"
 #include "structure/grouped_system.hpp"
 
 namespace assur::check {
 namespace {
+
+using mechanisms::PlainEquations;
+using mechanisms::PlainMotion;
+using mechanisms::Real;
+using mechanisms::TimeJet;
 
 constexpr int kParts = 1000;  // of the way that the plain equations are followed along
 

@@ -1,41 +1,17 @@
 // Random mechanisms around a start posture in which they can be assembled and can move.
 #pragma once
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <random>
 #include <string>
 #include <vector>
 
 #include "assur/scene.hpp"
+#include "mechanisms/draw.hpp"
 
 namespace assur::test {
 
-// mt19937_64 is the same everywhere; the distributions of the standard library are not.
-class Draw {
- public:
-  // Draws from one seed make the same choices; their numbers differ by shares of their ranges up to `jitter`.
-  explicit Draw(std::uint64_t seed, double jitter = 0, std::uint64_t jitter_seed = 0)
-      : engine_(seed), jitter_(jitter), other_(jitter_seed) {}
-  double real(double from, double to) {
-    const double share = fraction(engine_) + (jitter_ == 0 ? 0 : jitter_ * (2 * fraction(other_) - 1));
-    return from + (to - from) * std::clamp(share, 0.0, 1.0);
-  }
-  std::size_t below(std::size_t n) { return static_cast<std::size_t>(engine_() % n); }
-  bool maybe() { return below(2) == 0; }
-  template <class T>
-  const T& of(const std::vector<T>& from) {
-    return from[below(from.size())];
-  }
-
- private:
-  static double fraction(std::mt19937_64& engine) { return static_cast<double>(engine() >> 11) * 0x1p-53; }
-
-  std::mt19937_64 engine_;
-  double jitter_;
-  std::mt19937_64 other_;
-};
+using mechanisms::Draw;
 
 struct Placed {
   std::string name;

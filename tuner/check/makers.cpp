@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "check/matrices.hpp"
-#include "check/random_mechanism.hpp"
+#include "mechanisms/random_mechanism.hpp"
 #include "numbers.hpp"
 #include "scene/law_evaluate.hpp"
 
@@ -168,7 +168,7 @@ Made make(const std::string& maker, const Parameters& set) {
   if (maker == "table") return table(set);
   if (maker == "wide") return wide(set);
   if (maker == "random_mechanism") {
-    return {random_mechanism(static_cast<std::uint64_t>(get(set, "seed", 1))).scene(), nullptr};
+    return {mechanisms::random_mechanism(static_cast<std::uint64_t>(get(set, "seed", 1))).scene(), nullptr};
   }
   if (maker.starts_with(kMatrix)) {
     return callback_matrix(dense(maker.substr(std::string(kMatrix).size()), set), get(set, "grade", 0));

@@ -1,4 +1,4 @@
-#include "check/plain_motion.hpp"
+#include "mechanisms/plain_motion.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 
 #include "numbers.hpp"
 
-namespace assur::check {
+namespace assur::mechanisms {
 namespace {
 
 constexpr double kShortest = 0x1p-34;   // share of the way; if steps become shorter, the motion ends here
@@ -16,7 +16,6 @@ constexpr double kCorrection = 0.05;  // largest first correction, relative to t
 constexpr double kContraction = 0.1;
 constexpr double kConverged = 1e-11;
 constexpr double kMeet = 1e-7;  // share of the way; two points that turn far round each other within it have met
-constexpr Real kTwoPi = 2 * std::numbers::pi_v<Real>;
 
 template <class T, class F>
 std::vector<PlainEquations::Input<T>> inputs(const std::vector<TimeJet<Real>>& laws, const F& of) {
@@ -41,6 +40,12 @@ PlainEquations::Input<TimeJet<T>> jet(const TimeJet<Real>& l) {
 }
 
 }  // namespace
+
+std::vector<TimeJet<Real>> laws_at(const PlainEquations& equations, Real t) {
+  std::vector<TimeJet<Real>> out;
+  for (const Law* law : equations.laws()) out.push_back(value_of(*law, t));
+  return out;
+}
 
 double PlainMotion::size(const Vector& x) const { return x.cwiseQuotient(column_scale_).cwiseAbs().maxCoeff(); }
 
@@ -224,6 +229,15 @@ Real PlainMotion::advance(const Laws& laws) {
   return 1;
 }
 
+Real PlainMotion::advance(Real t0, Real t1) {
+  return advance([&](Real s) {
+    const Real h = t1 - t0;
+    std::vector<TimeJet<Real>> out = laws_at(equations_, t0 + s * h);
+    for (TimeJet<Real>& l : out) l = {l.value, l.rate * h, l.curve * h * h};
+    return out;
+  });
+}
+
 void PlainMotion::follow(std::vector<PlainEquations::Column> angles) {
   angles_ = std::move(angles);
   turned_.clear();
@@ -303,4 +317,34 @@ bool PlainMotion::settle(const std::vector<TimeJet<Real>>& laws) {
   return before < 1e-13;
 }
 
-}  // namespace assur::check
+PlainRows::PlainRows(PlainMotion& motion, const std::vector<std::string>& columns) : motion_(motion) {
+  std::vector<PlainEquations::Column> angles;
+  for (const std::string& name : columns) {
+    columns_.push_back(motion.equations().column(name));
+    angle_.push_back(columns_.back().signed_angle ? static_cast<int>(angles.size()) : -1);
+    if (columns_.back().signed_angle) angles.push_back(columns_.back());
+  }
+  motion.follow(std::move(angles));
+}
+
+std::vector<Real> PlainRows::now() {
+  const double rate = motion_.scale(1) / (2 * std::numbers::pi);
+  scale_[1] = std::max(scale_[1], rate);
+  scale_[2] = std::max({scale_[2], motion_.scale(2) / std::pow(2 * std::numbers::pi, 2), rate * rate});
+  std::vector<Real> out;
+  for (std::size_t i = 0; i < columns_.size(); ++i) {
+    const PlainEquations::Column& c = columns_[i];
+    const TimeJet<Real> jet = c.known ? motion_.show(c) : TimeJet<Real>(NAN, NAN, NAN);
+    out.push_back(is_angle(i)         ? motion_.turned(static_cast<std::size_t>(angle_[i]))
+                  : c.derivative == 0 ? jet.value
+                  : c.derivative == 1 ? jet.rate
+                                      : jet.curve);
+  }
+  return out;
+}
+
+bool PlainRows::knows_turns(std::size_t i) const {
+  return is_angle(i) && motion_.knows_turns(static_cast<std::size_t>(angle_[i]));
+}
+
+}  // namespace assur::mechanisms

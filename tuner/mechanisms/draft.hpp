@@ -6,29 +6,15 @@
 #include <cstdint>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <random>
 #include <string>
 #include <vector>
 
-namespace assur::check {
+#include "mechanisms/draw.hpp"
+
+namespace assur::mechanisms {
 
 using Json = nlohmann::ordered_json;
 using Place = std::array<double, 3>;
-
-// Random numbers that are equal everywhere: mt19937_64 is, the distributions of the standard library are not.
-class Chance {
- public:
-  explicit Chance(std::uint64_t seed) : engine_(seed) {}
-  double real(double from, double to) { return from + (to - from) * static_cast<double>(engine_() >> 11) * 0x1p-53; }
-  std::size_t below(std::size_t n) { return static_cast<std::size_t>(engine_() % n); }
-  bool one_in(std::size_t n) { return below(n) == 0; }
-  double sign() { return one_in(2) ? 1 : -1; }
-  // A direction in space, or in the plane.
-  Place direction(int dimension = 3);
-
- private:
-  std::mt19937_64 engine_;
-};
 
 Place operator+(const Place& a, const Place& b);
 Place operator-(const Place& a, const Place& b);
@@ -49,9 +35,9 @@ struct Way {
 
 class Draft {
  public:
-  Draft(int dimension, Chance& chance, std::string tables);
+  Draft(int dimension, Draw& chance, std::string tables);
 
-  Chance& chance;
+  Draw& chance;
   const int dimension;
   // Speed of the drivers, rad/s.
   double speed = 1;
@@ -143,4 +129,4 @@ class Draft {
   std::map<std::string, int> count_;
 };
 
-}  // namespace assur::check
+}  // namespace assur::mechanisms

@@ -7,15 +7,18 @@
 #include <cmath>
 #include <cstddef>
 #include <map>
+#include <numbers>
 #include <string>
 #include <vector>
 
 #include "assur/scene.hpp"
 
-namespace assur::check {
+namespace assur::mechanisms {
 
 // 64 bits of mantissa: 2,048 times as fine as the tested doubles.
 using Real = long double;
+
+inline constexpr Real kTwoPi = 2 * std::numbers::pi_v<Real>;
 
 // A value with two derivatives by time (or by any other parameter).
 template <class T>
@@ -395,4 +398,4 @@ void PlainEquations::evaluate(const T* x, const Input<T>* in, T* out) const {
   }
 }
 
-}  // namespace assur::check
+}  // namespace assur::mechanisms

@@ -1,4 +1,4 @@
-#include "check/plain_equations.hpp"
+#include "mechanisms/plain_equations.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,13 +9,11 @@
 
 #include "median.hpp"
 
-namespace assur::check {
+namespace assur::mechanisms {
 namespace {
 
 // build() has replaced coordinates by the name of a vector.
 const std::string& axis_name(const Anchor& axis) { return std::get<std::string>(axis); }
-
-constexpr Real kTwoPi = 2 * std::numbers::pi_v<Real>;
 
 struct LawAt {
   Real t;
@@ -494,4 +492,4 @@ TimeJet<Real> PlainEquations::show(const Column& column, const TimeJet<Real>* x)
   return arc(s.axis < 0 ? both.z : dot(at[static_cast<std::size_t>(s.axis)], both), dot(d, e));
 }
 
-}  // namespace assur::check
+}  // namespace assur::mechanisms

@@ -1,11 +1,11 @@
-#include "check/random_draft.hpp"
+#include "mechanisms/draft.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <utility>
 
-namespace assur::check {
+namespace assur::mechanisms {
 
 Place operator+(const Place& a, const Place& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
 Place operator-(const Place& a, const Place& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
@@ -20,14 +20,7 @@ Place turned(const Place& v, const Place& axis, double angle) {  // Rodrigues
   return std::cos(angle) * v + std::sin(angle) * cross(axis, v) + (1 - std::cos(angle)) * dot(axis, v) * axis;
 }
 
-Place Chance::direction(int dimension) {
-  for (;;) {
-    const Place p = {real(-1, 1), real(-1, 1), dimension == 3 ? real(-1, 1) : 0};
-    if (norm(p) > 0.1 && norm(p) < 1) return unit(p);
-  }
-}
-
-Draft::Draft(int d, Chance& c, std::string tables) : chance(c), dimension(d), tables_(std::move(tables)) {
+Draft::Draft(int d, Draw& c, std::string tables) : chance(c), dimension(d), tables_(std::move(tables)) {
   json_["assur"] = 1;
   json_["name"] = "";
   json_["dimension"] = dimension;
@@ -40,7 +33,7 @@ Draft::Draft(int d, Chance& c, std::string tables) : chance(c), dimension(d), ta
   if (turned_) {
     const Place axis = dimension == 3 ? chance.direction() : Place{0, 0, 1};
     const double angle = chance.real(-3, 3);
-    for (Place& a : rotation_) a = check::turned(a, axis, angle);
+    for (Place& a : rotation_) a = mechanisms::turned(a, axis, angle);
   }
   if (chance.one_in(3)) scale_ = std::pow(10, chance.real(-3, 3));
   if (chance.one_in(8)) {
@@ -328,7 +321,7 @@ std::string Draft::finish(const std::string& name, double off) {
         const int cluster = cluster_.count(part) != 0 ? cluster_[part] : -1;
         auto turn = std::pair(dimension == 3 ? chance.direction() : Place{0, 0, 1}, chance.real(-off, off));
         if (cluster >= 0) turn = turns.emplace(cluster, turn).first->second;
-        p.place = check::turned(p.place, turn.first, turn.second);
+        p.place = mechanisms::turned(p.place, turn.first, turn.second);
       }
     }
     Json at = {{"at", numbers(written(p))}};
@@ -342,4 +335,4 @@ std::string Draft::finish(const std::string& name, double off) {
   return written_down.dump();
 }
 
-}  // namespace assur::check
+}  // namespace assur::mechanisms

@@ -9,15 +9,26 @@
 
 #include "assur/simulator.hpp"
 #include "check/doubt.hpp"
-#include "check/plain_motion.hpp"
+#include "mechanisms/plain_motion.hpp"
 
 namespace assur::check {
 namespace {
 
+using mechanisms::PlainEquations;
+using mechanisms::PlainMotion;
+using mechanisms::PlainRows;
+using mechanisms::RandomMechanism;
+using mechanisms::Real;
+using mechanisms::TimeJet;
 using Verdict = Trial::Verdict;
 constexpr int kMoreCare = 8;
 constexpr double kSingular = 1e5;  // condition above which a posture is treated as singular
 constexpr double kClean = 1e-6;    // accuracy that a clean status promises by default
+
+// names.size() if it is not among them.
+std::size_t place_in(const std::vector<std::string>& names, const std::string& name) {
+  return static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
+}
 
 std::string number(double x) {
   std::ostringstream out;
@@ -29,34 +40,21 @@ std::string number(double x) {
 // Compares rows with the plain motion; errors are defined like ForwardError.
 class Comparison {
  public:
-  Comparison(PlainMotion& motion, const std::vector<std::string>& columns) : motion_(motion) {
-    std::vector<PlainEquations::Column> angles;
-    for (const std::string& name : columns) {
-      columns_.push_back(motion.equations().column(name));
-      angle_.push_back(columns_.back().signed_angle ? static_cast<int>(angles.size()) : -1);
-      if (columns_.back().signed_angle) angles.push_back(columns_.back());
-    }
-    motion.follow(std::move(angles));
-    offset_.assign(columns.size(), 0);
-  }
+  Comparison(PlainMotion& motion, const std::vector<std::string>& columns)
+      : rows_(motion, columns), length_(motion.equations().length()), offset_(columns.size()) {}
 
   // Adds one row; `first`: the whole turns of angles are taken from this row.
   void add(std::span<const double> row, bool clean, double time, bool first) {
-    const double rate = motion_.scale(1) / (2 * std::numbers::pi);
-    scale_[1] = std::max(scale_[1], rate);
-    scale_[2] = std::max({scale_[2], motion_.scale(2) / std::pow(2 * std::numbers::pi, 2), rate * rate});
-    for (std::size_t i = 0; i < columns_.size(); ++i) {
-      const PlainEquations::Column& c = columns_[i];
+    constexpr Real kTurn = mechanisms::kTwoPi;
+    const std::vector<Real> truth = rows_.now();
+    for (std::size_t i = 0; i < truth.size(); ++i) {
+      const PlainEquations::Column& c = rows_.column(i);
       if (!c.known) continue;
-      const TimeJet<Real> jet = motion_.show(c);
-      Real is = c.derivative == 0 ? jet.value : c.derivative == 1 ? jet.rate : jet.curve;
-      if (angle_[i] >= 0) {
-        is = motion_.turned(static_cast<std::size_t>(angle_[i]));
-        if (first)
-          offset_[i] = std::round((row[i] - is) / (2 * std::numbers::pi_v<Real>)) * 2 * std::numbers::pi_v<Real>;
+      Real is = truth[i];
+      if (rows_.is_angle(i)) {
+        if (first) offset_[i] = std::round((row[i] - is) / kTurn) * kTurn;
         is += offset_[i];
-        constexpr Real kTurn = 2 * std::numbers::pi_v<Real>;
-        if (!motion_.knows_turns(static_cast<std::size_t>(angle_[i]))) is += std::round((row[i] - is) / kTurn) * kTurn;
+        if (!rows_.knows_turns(i)) is += std::round((row[i] - is) / kTurn) * kTurn;
       }
       Figure& f = figures_[std::string(c.output) + "'" + std::to_string(c.derivative)];
       f.derivative = c.derivative, f.length = c.length;
@@ -78,7 +76,7 @@ class Comparison {
   [[nodiscard]] Worst worst() const {
     Worst w;
     for (const auto& [name, f] : figures_) {
-      const double least = (f.length ? motion_.equations().length() : 1) * scale_[f.derivative];
+      const double least = (f.length ? length_ : 1) * rows_.scale(f.derivative);
       const Real size = std::max(f.size, Real(least));
       if (f.difference > 0 && double(f.difference / size) > w.error[f.derivative]) {
         w.error[f.derivative] = double(f.difference / size), w.where[f.derivative] = name;
@@ -97,29 +95,11 @@ class Comparison {
     int derivative = 0;
     bool length = false;
   };
-  PlainMotion& motion_;
-  std::vector<PlainEquations::Column> columns_;
-  std::vector<int> angle_;
+  PlainRows rows_;
+  double length_;
   std::vector<Real> offset_;
   std::map<std::string, Figure> figures_;
-  double scale_[3] = {1, 0, 0};
 };
-
-std::vector<TimeJet<Real>> laws_at(const PlainEquations& e, Real t) {
-  std::vector<TimeJet<Real>> out;
-  for (const Law* law : e.laws()) out.push_back(value_of(*law, t));
-  return out;
-}
-
-// The laws from t0 to t1 as functions of s from 0 to 1.
-PlainMotion::Laws laws_over(const PlainEquations& e, Real t0, Real t1) {
-  return [&e, t0, t1](Real s) {
-    const Real h = t1 - t0;
-    std::vector<TimeJet<Real>> out = laws_at(e, t0 + s * h);
-    for (TimeJet<Real>& l : out) l = {l.value, l.rate * h, l.curve * h * h};
-    return out;
-  };
-}
 
 class Trying {
  public:
@@ -197,7 +177,7 @@ class Trying {
     std::size_t k = 1;
     for (; k < times.size(); ++k) {
       const Real t0 = times[k - 1], t1 = times[k];
-      const Real came = motion_.advance(laws_over(motion_.equations(), t0, t1));
+      const Real came = motion_.advance(t0, t1);
       if (came < 1) {
         lost = t0 + came * (t1 - t0);
         break;
@@ -229,7 +209,7 @@ class Trying {
     if (report.status.code == Code::actuator_zero && reaches_zero(static_cast<double>(t1))) {
       return void(end(Verdict::stopped_rightly, "the length of an actuator is not positive at the next time"));
     }
-    const Real came = motion_.advance(laws_over(motion_.equations(), t0, t1));
+    const Real came = motion_.advance(t0, t1);
     const double ends = double(t0 + came * (t1 - t0));
     if (came < 1) {
       const bool there = std::abs(ends - reached) <= 0.02 * grid.step || ends <= reached;
@@ -312,9 +292,7 @@ class Trying {
     const Real h = t1 - t0;
     std::vector<TimeJet<Real>> laws = laws_at(motion_.equations(), t0 + s * h);
     for (std::size_t i = 0; i < laws.size(); ++i) {
-      const auto& name = motion_.equations().law_names()[i];
-      const auto j =
-          static_cast<std::size_t>(std::find(m_.controlled.begin(), m_.controlled.end(), name) - m_.controlled.begin());
+      const std::size_t j = place_in(m_.controlled, motion_.equations().law_names()[i]);
       laws[i] = j < ways.size() ? ways[j].at(s) : TimeJet<Real>(laws[i].value, h * laws[i].rate, h * h * laws[i].curve);
     }
     return laws;
@@ -331,9 +309,7 @@ class Trying {
     std::vector<Way> ways(m_.controlled.size());
     const auto at_start = laws_at(motion_.equations(), scene_.time().start);
     for (std::size_t j = 0; j < ways.size(); ++j) {  // before the first set() the drivers follow their laws
-      const auto& names = motion_.equations().law_names();
-      const auto& law =
-          at_start[static_cast<std::size_t>(std::find(names.begin(), names.end(), m_.controlled[j]) - names.begin())];
+      const auto& law = at_start[place_in(motion_.equations().law_names(), m_.controlled[j])];
       ways[j].value = law.value, ways[j].rate = law.rate, ways[j].curve = law.curve;
     }
     comparison_->add(simulator_->outputs(), is_clean(simulator_->report(), simulator_->time()), simulator_->time(),
@@ -385,10 +361,7 @@ class Trying {
       const Real h = next - time;
       for (TimeJet<Real>& l : there) l = {l.value, l.rate / h, l.curve / (h * h)};
       for (std::size_t j = 0; j < ways.size(); ++j) {  // exactly the values that were set
-        const auto& names = motion_.equations().law_names();
-        const auto i =
-            static_cast<std::size_t>(std::find(names.begin(), names.end(), m_.controlled[j]) - names.begin());
-        there[i] = {ways[j].to, ways[j].to_rate, 0};
+        there[place_in(motion_.equations().law_names(), m_.controlled[j])] = {ways[j].to, ways[j].to_rate, 0};
         ways[j].value = ways[j].to, ways[j].rate = ways[j].to_rate, ways[j].curve = 0;
       }
       if (!settle(there)) break;
@@ -404,8 +377,7 @@ class Trying {
 
   [[nodiscard]] bool commands_zero(std::size_t k) const {
     return std::any_of(scene_.drivers().begin(), scene_.drivers().end(), [&](const Driver& d) {
-      const auto i = static_cast<std::size_t>(std::find(m_.controlled.begin(), m_.controlled.end(), d.name) -
-                                              m_.controlled.begin());
+      const std::size_t i = place_in(m_.controlled, d.name);
       return std::holds_alternative<DrivenDistance>(d.kind) && i < m_.controlled.size() && m_.commands[k][i] <= 0;
     });
   }

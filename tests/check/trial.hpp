@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "check/random_mechanism.hpp"
+#include "mechanisms/random_mechanism.hpp"
 
 namespace assur::check {
 
@@ -34,6 +34,6 @@ struct Trial {
 
 // Runs the comparison. care: steps of the plain motion are this many times as short; apparent faults are tested again
 // with more care.
-[[nodiscard]] Trial try_out(const RandomMechanism& mechanism, int care = 1);
+[[nodiscard]] Trial try_out(const mechanisms::RandomMechanism& mechanism, int care = 1);
 
 }  // namespace assur::check

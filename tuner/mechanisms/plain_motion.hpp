@@ -1,15 +1,18 @@
 // The motion of a scene by its plain equations: least squares with all of them, including redundant ones, its own
-// continuation, and long double for the compared rows. It is slow and simple, and the reference of the random search.
+// continuation, and long double for the compared rows. It is slow and simple, and the reference of random tests.
 #pragma once
 
 #include <functional>
 #include <string>
 #include <vector>
 
-#include "check/plain_equations.hpp"
 #include "decompositions.hpp"
+#include "mechanisms/plain_equations.hpp"
 
-namespace assur::check {
+namespace assur::mechanisms {
+
+// All laws of the equations at time t.
+[[nodiscard]] std::vector<TimeJet<Real>> laws_at(const PlainEquations& equations, Real t);
 
 class PlainMotion {
  public:
@@ -31,6 +34,8 @@ class PlainMotion {
   // motion ends there, or if two branches cannot be distinguished there; the last good posture is then kept.
   using Laws = std::function<std::vector<TimeJet<Real>>(Real s)>;
   Real advance(const Laws& laws);
+  // The same with the laws of the scene, from time t0 to t1.
+  Real advance(Real t0, Real t1);
 
   // Solves velocity and acceleration of the posture in long double, with values, rates and accelerations of the laws.
   // False if it does not converge.
@@ -78,4 +83,24 @@ class PlainMotion {
   double condition_ = 0;
 };
 
-}  // namespace assur::check
+// The rows of a plain motion, with these columns of a trajectory.
+class PlainRows {
+ public:
+  PlainRows(PlainMotion& motion, const std::vector<std::string>& columns);
+
+  // The row of the present posture; NaN: unknown.
+  [[nodiscard]] std::vector<Real> now();
+  [[nodiscard]] const PlainEquations::Column& column(std::size_t i) const { return columns_[i]; }
+  [[nodiscard]] bool is_angle(std::size_t i) const { return angle_[i] >= 0; }  // which is followed over whole turns
+  [[nodiscard]] bool knows_turns(std::size_t i) const;
+  // Least divisor for the errors of a derivative, from the largest derivatives of unknowns so far.
+  [[nodiscard]] double scale(int derivative) const { return scale_[derivative]; }
+
+ private:
+  PlainMotion& motion_;
+  std::vector<PlainEquations::Column> columns_;
+  std::vector<int> angle_;  // of each column: among those that the motion follows
+  double scale_[3] = {1, 0, 0};
+};
+
+}  // namespace assur::mechanisms

@@ -9,7 +9,7 @@
 #include "assur/plan.hpp"
 #include "assur/scene.hpp"
 
-namespace assur::check {
+namespace assur::mechanisms {
 
 struct RandomMechanism {
   std::uint64_t seed = 0;
@@ -31,4 +31,4 @@ struct RandomMechanism {
 // 0 to 4 s; "": no tables.
 [[nodiscard]] RandomMechanism random_mechanism(std::uint64_t seed, const std::string& tables = {});
 
-}  // namespace assur::check
+}  // namespace assur::mechanisms
