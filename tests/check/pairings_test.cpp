@@ -34,11 +34,6 @@ constexpr std::size_t kMembers = 4;
 // Above this condition a posture counts as singular, and rounding decides the outcome.
 constexpr double kSingular = 1e6;
 
-std::uint64_t first_seed() {
-  const char* const wanted = std::getenv("ASSUR_RANDOM_SEED");
-  return wanted != nullptr ? std::strtoull(wanted, nullptr, 10) : 1;
-}
-
 // ---- runs
 
 nlohmann::ordered_json faster(nlohmann::ordered_json scene, double factor) {
@@ -257,7 +252,7 @@ std::vector<std::string> part_of(const Run& plain, Draw& draw) {
 // As many seeds as requested. By default these are a few, and some that failed before.
 std::vector<std::uint64_t> seeds() {
   std::vector<std::uint64_t> out(static_cast<std::size_t>(test::random_count(30)));
-  std::iota(out.begin(), out.end(), first_seed());
+  std::iota(out.begin(), out.end(), test::first_seed());
   if (std::getenv("ASSUR_RANDOM_SCENES") == nullptr) {
     out.insert(out.end(),
                {36, 197, 479, 484, 1097, 2131, 2283, 2677, 3180, 3777, 6091, 6156, 6680, 7198, 7865, 8374, 9680, 9819});

@@ -2,7 +2,6 @@
 // number, ASSUR_RANDOM_SEED the first seed. A failure prints the seed, the fault and the scene.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <iostream>
 #include <map>
 #include <string>
@@ -17,11 +16,6 @@ namespace {
 using mechanisms::random_mechanism;
 using mechanisms::RandomMechanism;
 using Verdict = Trial::Verdict;
-
-std::uint64_t first_seed() {
-  const char* const wanted = std::getenv("ASSUR_RANDOM_SEED");
-  return wanted != nullptr ? std::strtoull(wanted, nullptr, 10) : 1;
-}
 
 std::string told(const RandomMechanism& m, const Trial& t) {
   std::string text = "seed " + std::to_string(m.seed) + ", " + m.family + ", " + m.how.strategy +
@@ -38,7 +32,7 @@ TEST(RandomMechanisms, NoneIsWrongWithACleanStatus) {
   const int count = test::random_count(25);
   std::map<std::string, int> verdicts;
   int refused = 0, estimates = 0, exceeded = 0;
-  for (std::uint64_t seed = first_seed(), end = seed + static_cast<std::uint64_t>(count); seed != end; ++seed) {
+  for (std::uint64_t seed = test::first_seed(), end = seed + static_cast<std::uint64_t>(count); seed != end; ++seed) {
     const RandomMechanism m = random_mechanism(seed, ASSUR_SOURCE_DIR "/tests/data/tables");
     const Trial t = try_out(m);
     ++verdicts[name(t.verdict)];

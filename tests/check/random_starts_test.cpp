@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <iostream>
 #include <map>
 #include <random>
@@ -14,6 +13,7 @@
 
 #include "assur/plan.hpp"
 #include "equations/system.hpp"
+#include "lettered_joint.hpp"
 #include "mechanisms/plain_motion.hpp"
 #include "simulation/random_count.hpp"
 #include "structure/grouped_system.hpp"
@@ -137,14 +137,9 @@ class Maker {
                  {std::remainder(by, kTurn), has_cylinder ? other_by : std::remainder(other_by, kTurn)});
   }
 
-  struct LoopJoint {
-    int kind;  // 0 revolute, 1 prismatic, 2 cylindrical, 3 universal, 4 spherical
-    Triple at, axis, other;
-  };
-
   // A loop of bodies; its first joint, between the ground and a body, is driven.
-  Away loop(int dimension, const std::vector<LoopJoint>& joints) {
-    const bool slides = joints[0].kind == 1;
+  Away loop(int dimension, const std::vector<test::LetteredJoint>& joints) {
+    const bool slides = joints[0].letter == 'P';
     const double by = slides ? stroke() : offset();
     const auto make = [&](bool away) {
       SceneBuilder s("loop", dimension);
@@ -153,22 +148,9 @@ class Maker {
       for (std::size_t i = 1; i < n; ++i)
         s.add(Body{.name = body(i), .points = {Member{"M" + std::to_string(i), joints[i].at, true}}});
       for (std::size_t i = 0; i < n; ++i) {
-        const LoopJoint& j = joints[i];
-        const std::string name = "J" + std::to_string(i);
-        const std::string one = body(i), two = body(i + 1);
-        switch (j.kind) {
-          case 0:
-            dimension == 2 ? s.joint(name, Revolute{one, two, j.at}) : s.joint(name, Revolute{one, two, j.at, j.axis});
-            break;
-          case 1:
-            s.joint(name, Prismatic{one, two, j.axis});
-            break;
-          case 3:
-            s.joint(name, Universal{one, two, j.at, j.axis, j.other});
-            break;
-          default:
-            s.joint(name, Spherical{one, two, j.at});
-        }
+        test::LetteredJoint j = joints[i];
+        j.name = "J" + std::to_string(i), j.a = body(i), j.b = body(i + 1);
+        test::add(s, j, dimension);
       }
       s.drive("m", DrivenCoordinate{slides ? "J0.displacement" : "J0.angle", Law::constant(away ? by : 0)});
       return s.time(0, 1, 1).build();
@@ -177,31 +159,31 @@ class Maker {
   }
 
   Away flat_loop() {
-    std::vector<LoopJoint> joints;
+    std::vector<test::LetteredJoint> joints;
     for (int i = 0; i < 4; ++i) {
       Triple axis = direction();
       axis[2] = 0;
       const double n = std::hypot(axis[0], axis[1]);
       for (Number& x : axis) x /= n;
-      joints.push_back({random_() % 4 == 0 ? 1 : 0, flat(), axis, {}});
+      const char letter = random_() % 4 == 0 ? 'P' : 'R';
+      joints.push_back({.letter = letter, .at = flat(), .axis = axis});
     }
-    joints[1].kind = joints[2].kind = 0;
+    joints[1].letter = joints[2].letter = 'R';
     return loop(2, joints);
   }
 
   // Seven freedoms in the joints, one of them driven.
   Away loop_in_space() {
-    static const std::vector<std::vector<int>> kinds = {{0, 4, 3, 0}, {0, 3, 4, 0}, {0, 4, 3, 1},    {1, 3, 4, 0},
-                                                        {0, 3, 3, 3}, {0, 0, 4, 3}, {0, 0, 0, 0, 4}, {1, 0, 0, 4, 0}};
-    std::vector<LoopJoint> joints;
-    for (const int kind : kinds[random_() % kinds.size()]) {
+    static const std::vector<std::string> loops = {"RSUR", "RUSR", "RSUP", "PUSR", "RUUU", "RRSU", "RRRRS", "PRRSR"};
+    std::vector<test::LetteredJoint> joints;
+    for (const char letter : loops[random_() % loops.size()]) {
       const Triple axis = direction(), d = direction();
       // At right angles to the axis.
       const double along = axis[0] * d[0] + axis[1] * d[1] + axis[2] * d[2];
       Triple other = {d[0] - along * axis[0], d[1] - along * axis[1], d[2] - along * axis[2]};
       const double n = std::hypot(other[0], other[1], other[2]);
       for (Number& x : other) x /= n;
-      joints.push_back({kind, place(), axis, other});
+      joints.push_back({.letter = letter, .at = place(), .axis = axis, .second = other});
     }
     return loop(3, joints);
   }
@@ -313,7 +295,7 @@ Outcome compare(Away away) {
   for (std::size_t k = 0; k < to.columns.size(); ++k) {
     const PlainEquations::Column column = plain.equations().column(to.columns[k]);
     if (!column.known) continue;  // not an unknown of the plain equations
-    const double off = std::abs(to.values[k] - double(plain.show(column).value));
+    const double off = std::abs(to.values[k] - double(plain.show({&column, 1})[0].value));
     if (off > worst) worst = off, where = to.columns[k];
   }
   // Both hold the equations to rounding, which the condition amplifies.
@@ -322,8 +304,7 @@ Outcome compare(Away away) {
 }
 
 TEST(RandomStarts, AreTheEndsOfTheirWays) {
-  const char* const seed_wanted = std::getenv("ASSUR_RANDOM_SEED");
-  const std::uint64_t first = seed_wanted != nullptr ? std::strtoull(seed_wanted, nullptr, 10) : 1;
+  const std::uint64_t first = test::first_seed();
   const int count = test::random_count(60);
   std::map<std::string, int> verdicts;
   for (std::uint64_t seed = first; seed < first + static_cast<std::uint64_t>(count); ++seed) {

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "lettered_joint.hpp"
 #include "numbers.hpp"
 #include "plan/preparation.hpp"
 #include "run.hpp"
@@ -434,27 +435,8 @@ RandomLoop random_loop(std::mt19937_64& random) {
     builder.add(Body{.name = body(i), .points = {{"M" + std::to_string(i), triple_of(), true}}});
   }
   for (std::size_t i = 0; i < count; ++i) {
-    const std::string name = "J" + std::to_string(i), a = body(i), b = body(i + 1);
     const Triple at = triple_of(), axis = triple_of(), other = triple::cross(axis, triple_of());
-    switch (joints[i]) {
-      case 'R':
-        builder.joint(name, Revolute{a, b, at, axis});
-        break;
-      case 'P':
-        builder.joint(name, Prismatic{a, b, axis});
-        break;
-      case 'C':
-        builder.joint(name, Cylindrical{a, b, at, axis});
-        break;
-      case 'U':
-        builder.joint(name, Universal{a, b, at, axis, other});
-        break;
-      case 'S':
-        builder.joint(name, Spherical{a, b, at});
-        break;
-      default:
-        builder.joint(name, Planar{a, b, axis});
-    }
+    test::add(builder, {joints[i], "J" + std::to_string(i), body(i), body(i + 1), at, axis, other});
   }
   builder.drive("motor", DrivenCoordinate{"J0.angle", turning(1)}).time(0, 0.02, 0.002);
   return {builder.build(), joints};

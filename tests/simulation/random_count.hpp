@@ -1,7 +1,8 @@
-// Number of random scenes of a test.
+// Number of random scenes of a test, and the seed of the first one.
 #pragma once
 
 #include <algorithm>
+#include <cstdint>
 #include <cstdlib>
 
 #include "sanitizers.hpp"
@@ -18,6 +19,12 @@ inline int random_count(int usual) {
 #else
   return usual;
 #endif
+}
+
+// The value of the variable ASSUR_RANDOM_SEED; without it 1.
+inline std::uint64_t first_seed() {
+  const char* const wanted = std::getenv("ASSUR_RANDOM_SEED");
+  return wanted != nullptr ? std::strtoull(wanted, nullptr, 10) : 1;
 }
 
 }  // namespace assur::test

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "assur/assur.hpp"
+#include "lettered_joint.hpp"
 #include "scene/triple.hpp"
 #include "simulation/random_count.hpp"
 #include "start/redundant_sets.hpp"
@@ -141,17 +142,12 @@ class Mechanism {
     for (const std::size_t i : joints) {
       const Link& j = links_[i];
       const bool swapped = order > 0 && below(2) == 0;
-      const std::string one = name(swapped ? j.b : j.a), other = name(swapped ? j.a : j.b);
-      const std::string joint = "J" + std::to_string(i);
-      if (j.letter == 'R') b.joint(joint, Revolute{one, other, j.at, j.axis});
-      if (j.letter == 'P') b.joint(joint, Prismatic{one, other, j.axis});
-      if (j.letter == 'C') b.joint(joint, Cylindrical{one, other, j.at, j.axis});
-      if (j.letter == 'S') b.joint(joint, Spherical{one, other, j.at});
-      if (j.letter == 'E') b.joint(joint, Planar{one, other, j.axis});
-      if (j.letter == 'U') {
-        const Triple u = unit(j.axis), x = across(u);
-        b.joint(joint, Universal{one, other, j.at, swapped ? x : u, swapped ? u : x});
-      }
+      const Triple u = unit(j.axis), x = across(u);
+      test::add(b, {j.letter, "J" + std::to_string(i), name(swapped ? j.b : j.a), name(swapped ? j.a : j.b), j.at,
+                    j.letter != 'U' ? j.axis
+                    : swapped       ? x
+                                    : u,
+                    swapped ? u : x});
     }
     return b.time(0, 1, 0.125).build();
   }

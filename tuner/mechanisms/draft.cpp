@@ -7,15 +7,7 @@
 
 namespace assur::mechanisms {
 
-Place operator+(const Place& a, const Place& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
-Place operator-(const Place& a, const Place& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-Place operator*(double s, const Place& a) { return {s * a[0], s * a[1], s * a[2]}; }
-double dot(const Place& a, const Place& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-Place cross(const Place& a, const Place& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
 double norm(const Place& a) { return std::sqrt(dot(a, a)); }
-Place unit(const Place& a) { return 1 / norm(a) * a; }
 Place turned(const Place& v, const Place& axis, double angle) {  // Rodrigues
   return std::cos(angle) * v + std::sin(angle) * cross(axis, v) + (1 - std::cos(angle)) * dot(axis, v) * axis;
 }
@@ -51,7 +43,7 @@ Draft::Draft(int d, Draw& c, std::string tables) : chance(c), dimension(d), tabl
 
 Place Draft::written(const Part& part) const {
   Place p{};
-  for (std::size_t k = 0; k < 3; ++k) p = p + part.place[k] * rotation_[k];
+  for (int k = 0; k < 3; ++k) p = p + part.place[k] * rotation_[static_cast<std::size_t>(k)];
   return part.is_point ? scale_ * p + shift_ : p;
 }
 
@@ -170,8 +162,7 @@ std::string Draft::on_plane(const std::string& p, const std::string& a, const Wa
 }
 
 void Draft::level(const std::string& point, int component) {
-  const auto k = static_cast<std::size_t>(component);
-  constrain({{"coordinate", point + "." + "xyz"[component]}, {"value", written(at_.at(point))[k]}});
+  constrain({{"coordinate", point + "." + "xyz"[component]}, {"value", written(at_.at(point))[component]}});
 }
 
 void Draft::constraint_equal(const std::string& p, const std::string& q) {
@@ -260,7 +251,7 @@ std::string Draft::slide(const std::string& coordinate, double begin, double by,
 
 std::string Draft::move(const std::string& point, int component, double by) {
   const std::string name = next("slide");
-  const double begin = written(at_.at(point))[static_cast<std::size_t>(component)];
+  const double begin = written(at_.at(point))[component];
   json_["drivers"][name] = {{"coordinate", point + "." + "xyz"[component]}, {"law", law(begin, scale_ * by)}};
   driven_.push_back({name, begin, scale_ * by});
   return name;
@@ -271,7 +262,7 @@ void Draft::pose(const std::string& body, const std::string& origin, double shif
   Json translation = Json::array(), rotation = Json::array();
   const Place o = written(at_.at(origin));
   for (int k = 0; k < dimension; ++k) {
-    translation.push_back(law(o[static_cast<std::size_t>(k)], scale_ * shift * chance.real(-1, 1)));
+    translation.push_back(law(o[k], scale_ * shift * chance.real(-1, 1)));
   }
   json_["drivers"]["pose"] = {{"pose", body}, {"translation", translation}};
   if (angle == 0) return;

@@ -14,15 +14,9 @@
 namespace assur::mechanisms {
 
 using Json = nlohmann::ordered_json;
-using Place = std::array<double, 3>;
+using Place = Spatial<double>;
 
-Place operator+(const Place& a, const Place& b);
-Place operator-(const Place& a, const Place& b);
-Place operator*(double s, const Place& a);
-double dot(const Place& a, const Place& b);
-Place cross(const Place& a, const Place& b);
 double norm(const Place& a);
-Place unit(const Place& a);
 Place turned(const Place& v, const Place& axis, double angle);  // axis of length 1
 
 // A vector's name, or two points.

@@ -2,12 +2,13 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <random>
 #include <vector>
+
+#include "mechanisms/spatial.hpp"
 
 namespace assur::mechanisms {
 
@@ -29,11 +30,11 @@ class Draw {
     return from[below(from.size())];
   }
   // A direction in space, or in the plane.
-  std::array<double, 3> direction(int dimension = 3) {
+  Spatial<double> direction(int dimension = 3) {
     for (;;) {
       const double x = real(-1, 1), y = real(-1, 1), z = dimension == 3 ? real(-1, 1) : 0;
-      const double n = std::sqrt(x * x + y * y + z * z);
-      if (n > 0.1 && n < 1) return {1 / n * x, 1 / n * y, 1 / n * z};
+      const Spatial<double> v{x, y, z};
+      if (const double n = std::sqrt(dot(v, v)); n > 0.1 && n < 1) return unit(v);
     }
   }
 

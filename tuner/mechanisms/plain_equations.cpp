@@ -85,7 +85,7 @@ TimeJet<Real> value_of(const Law& law, Real t) {
   return sum;
 }
 
-PlainEquations::PlainEquations(const Scene& scene) : dimension_(scene.dimension()) {
+PlainEquations::PlainEquations(const Scene& scene) : scene_(scene), dimension_(scene.dimension()) {
   for (const Point& p : scene.points()) add_item(p.name, p.at, p.fixed, true, dimension_);
   for (const Vector& v : scene.vectors()) add_item(v.name, v.at, v.fixed, false, dimension_);
   add_bodies(scene);
@@ -99,12 +99,7 @@ PlainEquations::PlainEquations(const Scene& scene) : dimension_(scene.dimension(
     unknown_names_[first] = c.name + ".lambda";
     if (plane) unknown_names_[first + 1] = c.name + ".mu", names_[c.name + ".mu"] = i;
   }
-  std::vector<Real> zero(unknowns());
-  for (const Item& it : items_) {
-    for (int k = 0; it.first >= 0 && k < it.count; ++k)
-      zero[static_cast<std::size_t>(it.first + k)] = it.at[static_cast<std::size_t>(k)];
-  }
-  at_guess_ = places(zero.data());
+  at_guess_ = places(as_written().data());
   // Auxiliary scalars along unit vectors are lengths.
   for (const Constraint& c : scene.constraints()) {
     const auto mark = [&](const std::string& name, bool length) {
@@ -164,6 +159,15 @@ PlainEquations::PlainEquations(const Scene& scene) : dimension_(scene.dimension(
     }
     shown_.push_back(std::move(s));
   }
+}
+
+std::vector<Real> PlainEquations::as_written() const {
+  std::vector<Real> out(unknowns());
+  for (const Item& it : items_) {
+    for (int k = 0; it.first >= 0 && k < it.count; ++k)
+      out[static_cast<std::size_t>(it.first + k)] = it.at[static_cast<std::size_t>(k)];
+  }
+  return out;
 }
 
 int PlainEquations::add_item(const std::string& name, const Triple& at, bool fixed, bool is_point, int components) {
@@ -468,13 +472,18 @@ PlainEquations::Column PlainEquations::column(const std::string& name) const {
   return out;
 }
 
-TimeJet<Real> PlainEquations::show(const Column& column, const TimeJet<Real>* x) const {
+std::vector<TimeJet<Real>> PlainEquations::show(std::span<const Column> columns, const TimeJet<Real>* x) const {
+  const auto at = places(x);
+  std::vector<TimeJet<Real>> out;
+  for (const Column& c : columns) out.push_back(show(c, at, x));
+  return out;
+}
+
+TimeJet<Real> PlainEquations::show(const Column& column, const std::vector<Spatial<TimeJet<Real>>>& at,
+                                   const TimeJet<Real>* x) const {
   using Jet = TimeJet<Real>;
-  const std::vector<Spatial<Jet>> at = places(x);
-  const auto component = [&](int i, int k) {
-    const Spatial<Jet>& v = at[static_cast<std::size_t>(i)];
-    return k == 0 ? v.x : k == 1 ? v.y : v.z;
-  };
+  if (!column.known) return {NAN, NAN, NAN};
+  const auto component = [&](int i, int k) { return at[static_cast<std::size_t>(i)][k]; };
   if (column.measure < 0) return component(column.item, column.component);
   const Shown& s = shown_[static_cast<std::size_t>(column.measure)];
   if (s.kind == 4) return component(s.axis, s.component);

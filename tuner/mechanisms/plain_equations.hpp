@@ -8,10 +8,13 @@
 #include <cstddef>
 #include <map>
 #include <numbers>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "assur/scene.hpp"
+#include "mechanisms/spatial.hpp"
 
 namespace assur::mechanisms {
 
@@ -80,27 +83,6 @@ struct Strip {
   }
 };
 
-template <class T>
-struct Spatial {
-  T x{}, y{}, z{};
-  friend Spatial operator+(const Spatial& a, const Spatial& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-  friend Spatial operator-(const Spatial& a, const Spatial& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-  friend Spatial operator*(const T& s, const Spatial& a) { return {s * a.x, s * a.y, s * a.z}; }
-};
-template <class T>
-T dot(const Spatial<T>& a, const Spatial<T>& b) {
-  return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-template <class T>
-Spatial<T> cross(const Spatial<T>& a, const Spatial<T>& b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-template <class T>
-Spatial<T> unit(const Spatial<T>& a) {
-  using std::sqrt;
-  return T(1) / sqrt(dot(a, a)) * a;
-}
-
 // The value of a law, evaluated anew from its parts; functions of a program are taken in double.
 [[nodiscard]] TimeJet<Real> value_of(const Law& law, Real t);
 
@@ -119,6 +101,12 @@ class PlainEquations {
   [[nodiscard]] std::size_t equations() const { return count_; }
   [[nodiscard]] const std::vector<std::string>& unknown_names() const { return unknown_names_; }  // "B.x", "s.lambda"
   [[nodiscard]] const std::vector<bool>& is_length() const { return is_length_; }                 // of each unknown
+  [[nodiscard]] std::vector<Real> as_written() const;  // values of the unknowns; auxiliary scalars are 0
+  // Place of a point, or direction of a vector, as written; true: a point.
+  [[nodiscard]] std::pair<Spatial<Real>, bool> written(const std::string& name) const {
+    const auto i = static_cast<std::size_t>(item(name));
+    return {at_guess_[i], items_[i].is_point};
+  }
   [[nodiscard]] double length() const { return length_; }  // a typical one, of the scene
   // All laws, driver after driver, and whether they are angles.
   [[nodiscard]] const std::vector<const Law*>& laws() const { return laws_; }
@@ -142,8 +130,8 @@ class PlainEquations {
     std::string output;         // the name
   };
   [[nodiscard]] Column column(const std::string& name) const;
-  // The value of a column at x with its derivatives; angles in (-pi, pi].
-  [[nodiscard]] TimeJet<Real> show(const Column& column, const TimeJet<Real>* x) const;
+  // The values of columns at x with their derivatives; angles in (-pi, pi].
+  [[nodiscard]] std::vector<TimeJet<Real>> show(std::span<const Column> columns, const TimeJet<Real>* x) const;
 
  private:
   enum class Kind {
@@ -212,12 +200,25 @@ class PlainEquations {
   int add_law(const Driver& d, const Law& law);
   template <class T>
   std::vector<Spatial<T>> places(const T* x) const;
+  [[nodiscard]] TimeJet<Real> show(const Column& column, const std::vector<Spatial<TimeJet<Real>>>& at,
+                                   const TimeJet<Real>* x) const;
+  // The columns u, v of the rotation of a pose, whose laws begin here; u alone in the plane.
+  template <class T>
+  std::array<Spatial<T>, 2> rotation(const Input<T>* in) const {
+    const T zero(0);
+    if (dimension_ == 2) return {{{in[0].cosine, in[0].sine, zero}, {}}};
+    const Input<T>&psi = in[0], &theta = in[1], &phi = in[2];
+    const Spatial<T> u{psi.cosine * theta.cosine, psi.sine * theta.cosine, zero - theta.sine};
+    const Spatial<T> y{zero - psi.sine, psi.cosine, zero};
+    return {u, phi.cosine * y + phi.sine * cross(u, y)};
+  }
   template <class T>
   static Spatial<T> look(const std::vector<Spatial<T>>& at, const Ray& r) {
     return r.second < 0 ? at[static_cast<std::size_t>(r.first)]
                         : at[static_cast<std::size_t>(r.second)] - at[static_cast<std::size_t>(r.first)];
   }
 
+  Scene scene_;  // keeps the laws
   int dimension_;
   std::map<std::string, int> names_;
   std::vector<Item> items_;
@@ -290,8 +291,6 @@ void PlainEquations::evaluate(const T* x, const Input<T>* in, T* out) const {
     *out++ = v.y;
     if (dimension_ == 3) *out++ = v.z;
   };
-  const auto component = [](const Spatial<T>& v, int k) { return k == 0 ? v.x : k == 1 ? v.y : v.z; };
-  const T zero(0);
   for (const Equation& q : equations_) {
     switch (q.kind) {
       case Kind::norm:
@@ -326,7 +325,7 @@ void PlainEquations::evaluate(const T* x, const Input<T>* in, T* out) const {
         break;
       }
       case Kind::coordinate:
-        *out++ = component(of(q.a), q.b) - T(static_cast<double>(q.value));
+        *out++ = of(q.a)[q.b] - T(static_cast<double>(q.value));
         break;
       case Kind::on_line:
         give(look(at, q.d) - of(q.a).x * look(at, q.e));
@@ -360,37 +359,19 @@ void PlainEquations::evaluate(const T* x, const Input<T>* in, T* out) const {
         break;
       }
       case Kind::driven:
-        *out++ = component(of(q.a), q.b) - in[q.law].value;
+        *out++ = of(q.a)[q.b] - in[q.law].value;
         break;
-      case Kind::posed_point: {
-        // a at the translation, plus a combination (zero) of the columns of the rotation
-        Spatial<T> p{in[q.law].value, in[q.law + 1].value, dimension_ == 3 ? in[q.law + 2].value : zero};
-        (void)p;
-        Spatial<T> columns[2] = {{zero, zero, zero}, {zero, zero, zero}};
-        const int r = q.law + dimension_;
+      case Kind::posed_point: {  // at the translation, plus `zero` in the axes of the rotation
+        Spatial<T> p{in[q.law].value, in[q.law + 1].value, dimension_ == 3 ? in[q.law + 2].value : T(0)};
         if (q.radius != 0) {
-          if (dimension_ == 2) {
-            columns[0] = {in[r].cosine, in[r].sine, zero};
-          } else {
-            const Input<T>&psi = in[r], &theta = in[r + 1], &phi = in[r + 2];
-            columns[0] = {psi.cosine * theta.cosine, psi.sine * theta.cosine, zero - theta.sine};
-            const Spatial<T> y{zero - psi.sine, psi.cosine, zero};
-            columns[1] = phi.cosine * y + phi.sine * cross(columns[0], y);
-          }
+          const auto [u, v] = rotation(in + q.law + dimension_);
+          p = p + T(q.zero[0]) * u + T(q.zero[1]) * v;
         }
-        give(of(q.a) - p - T(q.zero[0]) * columns[0] - T(q.zero[1]) * columns[1]);
+        give(of(q.a) - p);
         break;
       }
       case Kind::posed_axis: {  // b: column of the rotation
-        const int r = q.law + dimension_;
-        if (dimension_ == 2) {
-          give(of(q.a) - Spatial<T>{in[r].cosine, in[r].sine, zero});
-          break;
-        }
-        const Input<T>&psi = in[r], &theta = in[r + 1], &phi = in[r + 2];
-        const Spatial<T> u{psi.cosine * theta.cosine, psi.sine * theta.cosine, zero - theta.sine};
-        const Spatial<T> y{zero - psi.sine, psi.cosine, zero};
-        const Spatial<T> v = phi.cosine * y + phi.sine * cross(u, y);
+        const auto [u, v] = rotation(in + q.law + dimension_);
         give(of(q.a) - (q.b == 0 ? u : q.b == 1 ? v : cross(u, v)));
         break;
       }

@@ -58,10 +58,6 @@ double PlainMotion::scale(int derivative) const {
   return static_cast<double>(most);
 }
 
-TimeJet<Real> PlainMotion::show(const PlainEquations::Column& column) const {
-  return equations_.show(column, x_.data());
-}
-
 double PlainMotion::factorise(const Vector& x, const std::vector<TimeJet<Real>>& laws) {
   const std::size_t n = equations_.unknowns(), m = equations_.equations();
   Eigen::MatrixXd jacobian(m, n);
@@ -126,19 +122,32 @@ void PlainMotion::derivatives(const Vector& x, const std::vector<TimeJet<Real>>&
 
 PlainMotion::Start PlainMotion::start(const std::vector<std::string>& columns, const std::vector<double>& row,
                                       const std::vector<TimeJet<Real>>& laws, double& figure) {
-  const std::size_t n = equations_.unknowns();
-  x_.assign(n, {});
-  column_scale_.resize(static_cast<Eigen::Index>(n));
-  for (std::size_t i = 0; i < n; ++i) {
+  x_.assign(equations_.unknowns(), {});
+  for (std::size_t i = 0; i < x_.size(); ++i) {
     const auto at = std::find(columns.begin(), columns.end(), equations_.unknown_names()[i]);
     // All unknowns are outputs, because only fixed coordinates are left out.
     if (at == columns.end())
       throw Error(Error::Kind::input, equations_.unknown_names()[i] + " is not among the outputs");
     x_[i].value = row[static_cast<std::size_t>(at - columns.begin())];
-    column_scale_[static_cast<Eigen::Index>(i)] = equations_.is_length()[i] ? equations_.length() : 1;
   }
+  return begin(laws, figure);
+}
+
+PlainMotion::Start PlainMotion::start_as_written(const std::vector<TimeJet<Real>>& laws, double& figure) {
+  x_.clear();
+  for (const Real value : equations_.as_written()) x_.emplace_back(value);
+  return begin(laws, figure);
+}
+
+PlainMotion::Start PlainMotion::begin(const std::vector<TimeJet<Real>>& laws, double& figure) {
+  const std::size_t n = equations_.unknowns();
   Vector x(static_cast<Eigen::Index>(n));
-  for (std::size_t i = 0; i < n; ++i) x[static_cast<Eigen::Index>(i)] = static_cast<double>(x_[i].value);
+  column_scale_.resize(x.size());
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto j = static_cast<Eigen::Index>(i);
+    x[j] = static_cast<double>(x_[i].value);
+    column_scale_[j] = equations_.is_length()[i] ? equations_.length() : 1;
+  }
   most_volume_ = least_volume_ = factorise(x, laws);
   const double smallest = qr_.matrixQR().diagonal().cwiseAbs().minCoeff();
   // The correction of the posture that the equations demand, and the residual that remains after it.
@@ -241,23 +250,27 @@ Real PlainMotion::advance(Real t0, Real t1) {
 void PlainMotion::follow(std::vector<PlainEquations::Column> angles) {
   angles_ = std::move(angles);
   turned_.clear();
-  for (const auto& column : angles_) turned_.push_back(show(column).value);
+  for (const TimeJet<Real>& angle : show(angles_)) turned_.push_back(angle.value);
   met_.assign(angles_.size(), false);
 }
 
 // The number of turns comes from the unwrapped angle (double), the angle itself from the present posture.
-Real PlainMotion::turned(std::size_t i) const {
-  const Real value = show(angles_[i]).value;
-  return value + kTwoPi * std::round((turned_[i] - value) / kTwoPi);
+std::vector<TimeJet<Real>> PlainMotion::turned() const {
+  std::vector<TimeJet<Real>> now = show(angles_);
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    now[i].value += kTwoPi * std::round((turned_[i] - now[i].value) / kTwoPi);
+  }
+  return now;
 }
 
 bool PlainMotion::unwrap(const Vector& x, std::vector<Real>& turned, std::vector<bool>& met) const {
   if (angles_.empty()) return true;
   std::vector<TimeJet<Real>> at(static_cast<std::size_t>(x.size()));
   for (std::size_t i = 0; i < at.size(); ++i) at[i].value = x[static_cast<Eigen::Index>(i)];
+  const std::vector<TimeJet<Real>> now = equations_.show(angles_, at.data());
   bool sure = true;
   for (std::size_t i = 0; i < angles_.size(); ++i) {
-    const Real by = std::remainder(equations_.show(angles_[i], at.data()).value - turned[i], kTwoPi);
+    const Real by = std::remainder(now[i].value - turned[i], kTwoPi);
     turned[i] += by;
     if (std::abs(by) * care_ <= 1) continue;
     sure = false;
@@ -331,11 +344,12 @@ std::vector<Real> PlainRows::now() {
   const double rate = motion_.scale(1) / (2 * std::numbers::pi);
   scale_[1] = std::max(scale_[1], rate);
   scale_[2] = std::max({scale_[2], motion_.scale(2) / std::pow(2 * std::numbers::pi, 2), rate * rate});
+  const std::vector<TimeJet<Real>> jets = motion_.show(columns_), angles = motion_.turned();
   std::vector<Real> out;
   for (std::size_t i = 0; i < columns_.size(); ++i) {
     const PlainEquations::Column& c = columns_[i];
-    const TimeJet<Real> jet = c.known ? motion_.show(c) : TimeJet<Real>(NAN, NAN, NAN);
-    out.push_back(is_angle(i)         ? motion_.turned(static_cast<std::size_t>(angle_[i]))
+    const TimeJet<Real>& jet = jets[i];
+    out.push_back(is_angle(i)         ? angles[static_cast<std::size_t>(angle_[i])].value
                   : c.derivative == 0 ? jet.value
                   : c.derivative == 1 ? jet.rate
                                       : jet.curve);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,9 @@ class PlainMotion {
   Start start(const std::vector<std::string>& columns, const std::vector<double>& row,
               const std::vector<TimeJet<Real>>& laws, double& figure);
 
+  // Begins at the posture as written, with all auxiliary scalars at 0.
+  Start start_as_written(const std::vector<TimeJet<Real>>& laws, double& figure);
+
   // Follows the laws from s = 0 to s = 1; their derivatives are with respect to s. Returns the last s. It is < 1 if the
   // motion ends there, or if two branches cannot be distinguished there; the last good posture is then kept.
   using Laws = std::function<std::vector<TimeJet<Real>>(Real s)>;
@@ -41,16 +45,18 @@ class PlainMotion {
   // False if it does not converge.
   bool settle(const std::vector<TimeJet<Real>>& laws);
 
-  // Angles to unwrap along the motion. turned() has this order; they begin in (-pi, pi].
+  // Angles to unwrap along the motion. turned() has this order; their values begin in (-pi, pi].
   void follow(std::vector<PlainEquations::Column> angles);
-  [[nodiscard]] Real turned(std::size_t i) const;
+  [[nodiscard]] std::vector<TimeJet<Real>> turned() const;
   // False after its points or directions have met, because the direction of the turn is then unknown.
   [[nodiscard]] bool knows_turns(std::size_t i) const { return !met_[i]; }
 
   void take_care(int care) { care_ = care; }
 
   [[nodiscard]] const PlainEquations& equations() const { return equations_; }
-  [[nodiscard]] TimeJet<Real> show(const PlainEquations::Column& column) const;
+  [[nodiscard]] std::vector<TimeJet<Real>> show(std::span<const PlainEquations::Column> columns) const {
+    return equations_.show(columns, x_.data());
+  }
   // Largest derivative of an unknown; lengths relative to the typical one.
   [[nodiscard]] double scale(int derivative) const;
   // Nearness to a singularity on the way: log of the smallest over the largest volume of the Jacobian.
@@ -60,6 +66,7 @@ class PlainMotion {
  private:
   using Vector = Eigen::VectorXd;
   using Input = PlainEquations::Input<double>;
+  Start begin(const std::vector<TimeJet<Real>>& laws, double& figure);  // at x_
   // Factorises the Jacobian at x, with rows of length 1 and columns in typical lengths. Returns the log of the product
   // of its singular values.
   double factorise(const Vector& x, const std::vector<TimeJet<Real>>& laws);
