@@ -117,7 +117,7 @@ std::size_t JointMechanism::platform() {
 
 std::size_t JointMechanism::connect(char letter, std::size_t a, std::size_t b, const Triple& at, const Triple& axis,
                                     const Triple& second, bool spins) {
-  Link j{letter, a, b, at, axis, second, fresh(), spins};
+  Link j{letter, a, b, at, axis, second, fresh(), units(), spins};
   if (draw_.maybe()) std::swap(j.a, j.b), std::swap(j.axis, j.second);
   if (letter != 'U' && !spins) j.axis = axis;
   links_.push_back(std::move(j));
@@ -386,6 +386,16 @@ void JointMechanism::expect_motion(const Scene& scene) const {
     return e;
   });
   motion.expect("auto");
+}
+
+bool JointMechanism::rests(int unit) const {
+  const auto moves = [&](const Link& j, bool is_angle) {
+    const double least = 1e-9 * (is_angle ? 1 : size_);
+    return j.unit == unit && has(j, is_angle) && std::any_of(rows_.begin(), rows_.end(), [&](const auto& row) {
+             return std::abs(row.at(measure_of(j, is_angle)).value) > least;
+           });
+  };
+  return std::none_of(links_.begin(), links_.end(), [&](const Link& j) { return moves(j, true) || moves(j, false); });
 }
 
 std::vector<int> JointMechanism::groups_of_units(const Structure& s) const {

@@ -45,6 +45,7 @@ class JointMechanism {
     std::size_t a, b;
     Triple at{}, axis{}, second{};
     std::string name = {};
+    int unit = kNoUnit;
     bool spins = false;  // a spherical joint that is written plainly as a universal one, so that a rod does not spin
   };
 
@@ -91,6 +92,8 @@ class JointMechanism {
   // Expects the motion of all tracers and measures. `scene` is the written one, whose bases bound how errors of
   // unknowns grow.
   void expect_motion(const Scene& scene) const;
+  // True if no coordinate of a joint of this unit moves, because the bodies that it connects move as one.
+  [[nodiscard]] bool rests(int unit) const;
   // Each group solves one unit. Returns the number of groups of each unit.
   [[nodiscard]] std::vector<int> groups_of_units(const Structure& s) const;
 
