@@ -342,7 +342,7 @@ Scene JointMechanism::write(const TimeGrid& grid) {
 }
 
 void JointMechanism::expect_motion(const Scene& scene) const {
-  const double unit_of_length = std::ldexp(1, analyze(scene).system->length_exponent);
+  const double unit_of_length = std::ldexp(1, group_equations(scene).system->length_exponent);
   const PlainEquations written(scene);
   std::map<std::string, double> turns;  // of bodies
   double gain = 1;
@@ -398,7 +398,7 @@ bool JointMechanism::rests(int unit) const {
   return std::none_of(links_.begin(), links_.end(), [&](const Link& j) { return moves(j, true) || moves(j, false); });
 }
 
-std::vector<int> JointMechanism::groups_of_units(const Structure& s) const {
+std::vector<int> JointMechanism::groups_of_units(const GroupedSystem& s) const {
   std::map<std::string, int> bodies = drivers_;
   for (const Solid& b : solids_) {
     bodies[b.name] = bodies[b.origin] = b.unit;
@@ -406,7 +406,7 @@ std::vector<int> JointMechanism::groups_of_units(const Structure& s) const {
     for (const auto& [name, at] : b.tracers) bodies[name] = b.unit;
   }
   std::vector<int> count(kinds_.size(), 0);
-  for (const Group& g : s.groups) {
+  for (const SolvedGroup& g : s.groups) {
     std::set<int> units;
     for (const std::int32_t u : g.unknowns) units.insert(unit_of(s.system->coordinate_name(u), bodies));
     EXPECT_EQ(units.size(), 1u) << g.name;

@@ -95,7 +95,7 @@ class JointMechanism {
   // True if no coordinate of a joint of this unit moves, because the bodies that it connects move as one.
   [[nodiscard]] bool rests(int unit) const;
   // Each group solves one unit. Returns the number of groups of each unit.
-  [[nodiscard]] std::vector<int> groups_of_units(const Structure& s) const;
+  [[nodiscard]] std::vector<int> groups_of_units(const GroupedSystem& s) const;
 
  private:
   using Jet = mechanisms::TimeJet<long double>;

@@ -212,7 +212,7 @@ void expect_motions(int dimension, int all, const TimeGrid& grid, const Of& of) 
     SCOPED_TRACE("seed " + std::to_string(seed) + kinds);
     try {
       const Scene scene = m.write(grid);
-      const Structure s = analyze(scene.with_outputs({"all"}));
+      const GroupedSystem s = group_equations(scene.with_outputs({"all"}));
       EXPECT_EQ(s.cannot_assemble, "");
       EXPECT_TRUE(s.undetermined.empty());
       for (const Redundancy& r : s.redundant) ADD_FAILURE() << "not redundant: " << r.dropped;
