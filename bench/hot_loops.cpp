@@ -1,14 +1,14 @@
 // Hot loops for counting instructions; arguments: SCENE, STRATEGY, a number of steps, and a fixed number of iterations
 // as in table 4 of the paper (0, the default: until the residual is small). Only run_hot_loop() is counted
 // (instructions.sh names it to callgrind), not the preparation and the first steps. SCENE may be "joints=NAME" or
-// "by_hand=NAME", one of the mechanisms of tests/simulation/by_hand.hpp.
+// "by_hand=NAME", one of the mechanisms of tests/joints/by_hand.hpp.
 #include <cstdint>
 #include <cstdio>
 #include <exception>
 #include <string>
 
 #include "assur/assur.hpp"
-#include "simulation/by_hand.hpp"
+#include "joints/by_hand.hpp"
 
 namespace {
 

@@ -1,11 +1,11 @@
-// Time of a step of mechanisms that are written with joints and by hand (tests/simulation/by_hand.hpp).
+// Time of a step of mechanisms that are written with joints and by hand (tests/joints/by_hand.hpp).
 #include <benchmark/benchmark.h>
 
 #include <string>
 
 #include "assur/assur.hpp"
+#include "joints/by_hand.hpp"
 #include "program.hpp"
-#include "simulation/by_hand.hpp"
 
 namespace assur::bench {
 namespace {

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "assur/assur.h"
-#include "simulation/random_count.hpp"
-#include "simulation/random_mechanisms.hpp"
+#include "properties/random_count.hpp"
+#include "properties/random_mechanisms.hpp"
 
 namespace assur {
 namespace {

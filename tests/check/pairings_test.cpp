@@ -14,13 +14,13 @@
 
 #include "assur/ensemble.hpp"
 #include "check/left_open.hpp"
+#include "errors/conditions.hpp"
 #include "mechanisms/random_mechanism.hpp"
 #include "numbers.hpp"
 #include "plan/preparation.hpp"
-#include "simulation/any_mechanism.hpp"
-#include "simulation/conditions.hpp"
-#include "simulation/random_count.hpp"
-#include "simulation/random_strategy.hpp"
+#include "properties/any_mechanism.hpp"
+#include "properties/random_count.hpp"
+#include "properties/random_strategy.hpp"
 #include "simulation/simulator_access.hpp"
 #include "source_dir.hpp"
 

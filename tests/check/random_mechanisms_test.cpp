@@ -7,7 +7,7 @@
 #include <string>
 
 #include "check/trial.hpp"
-#include "simulation/random_count.hpp"
+#include "properties/random_count.hpp"
 #include "source_dir.hpp"
 
 namespace assur::check {

@@ -17,7 +17,7 @@
 #include "lettered_joint.hpp"
 #include "mechanisms/plain_motion.hpp"
 #include "mechanisms/random_mechanism.hpp"
-#include "simulation/random_count.hpp"
+#include "properties/random_count.hpp"
 #include "structure/grouped_system.hpp"
 
 namespace assur::check {

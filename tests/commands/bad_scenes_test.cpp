@@ -3,8 +3,8 @@
 
 #include <sstream>
 
+#include "builder/bad_scenes.hpp"
 #include "commands/command.hpp"
-#include "scene/bad_scenes.hpp"
 
 namespace assur {
 namespace {

@@ -20,7 +20,7 @@
 #include "db/writer.hpp"
 #include "parallel/file_tree.hpp"
 #include "parallel/in_a_child.hpp"
-#include "simulation/random_count.hpp"
+#include "properties/random_count.hpp"
 #include "source_dir.hpp"
 
 namespace assur::test {

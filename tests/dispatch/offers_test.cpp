@@ -6,8 +6,8 @@
 
 #include "assur/assur.hpp"
 #include "backends/backends.hpp"
+#include "files/shipped_files.hpp"
 #include "samples/samples.hpp"
-#include "scene/shipped_files.hpp"
 
 namespace assur {
 namespace {

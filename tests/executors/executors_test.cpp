@@ -13,7 +13,7 @@
 
 #include "numbers.hpp"
 #include "program/graph.hpp"
-#include "simulation/random_mechanisms.hpp"
+#include "properties/random_mechanisms.hpp"
 
 namespace assur {
 namespace {

@@ -13,12 +13,12 @@
 #include "equations/system.hpp"
 #include "evaluation/evaluator.hpp"
 #include "executors/executors.hpp"
+#include "files/shipped_files.hpp"
 #include "groups/branch.hpp"
 #include "index.hpp"
 #include "plan/preparation.hpp"
 #include "program/step_rules.hpp"
-#include "scene/shipped_files.hpp"
-#include "simulation/random_mechanisms.hpp"
+#include "properties/random_mechanisms.hpp"
 
 namespace assur {
 namespace {

@@ -7,9 +7,9 @@
 
 #include "backends/allocations.hpp"
 #include "fleet/linkages.hpp"
+#include "properties/random_count.hpp"
 #include "references/quad.hpp"
 #include "refusal.hpp"
-#include "simulation/random_count.hpp"
 
 namespace assur::test {
 namespace {

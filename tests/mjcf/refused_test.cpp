@@ -10,7 +10,7 @@
 
 #include "assur/mjcf.hpp"
 #include "mjcf/files.hpp"
-#include "simulation/random_count.hpp"
+#include "properties/random_count.hpp"
 #include "source_dir.hpp"
 
 namespace assur {

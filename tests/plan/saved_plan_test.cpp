@@ -11,10 +11,10 @@
 #include <sstream>
 
 #include "assur/ensemble.hpp"
+#include "files/shipped_files.hpp"
 #include "plan/preparation.hpp"
+#include "properties/random_count.hpp"
 #include "samples/samples.hpp"
-#include "scene/shipped_files.hpp"
-#include "simulation/random_count.hpp"
 #include "simulation/same_run.hpp"
 #include "simulation/towers.hpp"
 

@@ -7,8 +7,8 @@
 #include <cmath>
 
 #include "backends/allocations.hpp"
-#include "simulation/delta_robot.hpp"
-#include "simulation/limited.hpp"
+#include "motion/limited.hpp"
+#include "properties/delta_robot.hpp"
 #include "simulation/run.hpp"
 #include "simulation/simulator_access.hpp"
 

@@ -13,10 +13,10 @@
 
 #include "assur/saved_plan.hpp"
 #include "backends/allocations.hpp"
-#include "simulation/delta_robot.hpp"
-#include "simulation/limited.hpp"
-#include "simulation/random_count.hpp"
-#include "simulation/random_mechanisms.hpp"
+#include "motion/limited.hpp"
+#include "properties/delta_robot.hpp"
+#include "properties/random_count.hpp"
+#include "properties/random_mechanisms.hpp"
 #include "simulation/run.hpp"
 
 namespace assur {

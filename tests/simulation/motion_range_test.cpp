@@ -7,9 +7,9 @@
 #include <string>
 
 #include "assur/simulator.hpp"
+#include "motion/limited.hpp"
 #include "numbers.hpp"
 #include "samples/samples.hpp"
-#include "simulation/limited.hpp"
 #include "source_dir.hpp"
 #include "structure/look.hpp"
 

@@ -9,11 +9,11 @@
 #include <vector>
 
 #include "backends/allocations.hpp"
-#include "scene/shipped_files.hpp"
-#include "simulation/delta_robot.hpp"
-#include "simulation/limited.hpp"
-#include "simulation/random_count.hpp"
-#include "simulation/random_mechanisms.hpp"
+#include "files/shipped_files.hpp"
+#include "motion/limited.hpp"
+#include "properties/delta_robot.hpp"
+#include "properties/random_count.hpp"
+#include "properties/random_mechanisms.hpp"
 #include "simulation/run.hpp"
 
 namespace assur {

@@ -11,9 +11,9 @@
 #endif
 
 #include "assur/ensemble.hpp"
+#include "motion/fan.hpp"
 #include "parallel/in_a_child.hpp"
 #include "sanitizers.hpp"
-#include "simulation/fan.hpp"
 #include "simulation/same_run.hpp"
 
 namespace assur {

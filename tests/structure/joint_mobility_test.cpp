@@ -12,8 +12,8 @@
 
 #include "assur/assur.hpp"
 #include "lettered_joint.hpp"
+#include "properties/random_count.hpp"
 #include "scene/triple.hpp"
-#include "simulation/random_count.hpp"
 #include "start/redundant_sets.hpp"
 
 namespace assur {
