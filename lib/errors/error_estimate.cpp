@@ -22,12 +22,10 @@ constexpr double kSolvedToRounding = 16 * kEps;  // equations with smaller resid
 constexpr std::int64_t kStepsBetween = 512;      // steps between measurements
 // the same if callbacks hide changes of the condition, or while errors are in doubt
 constexpr std::int64_t kIntervalUnseen = 16;
-constexpr double kCloser = 1.6;           // if the square of a divisor falls by this factor, its inverse cube doubles
-constexpr double kGrownTwice = 2;         // growth of a condition or a residual that asks for a new measurement
-constexpr double kConfirmedSafety = 2;    // safety of the confirmed part of the growth along paths, as an exponent
-constexpr double kLeastConfirmed = 0.25;  // the same: its least value
-constexpr double kFaster = 4;     // growth of a rate or an acceleration of a driver that asks for a new measurement
-constexpr double kAtRest = 1e-4;  // a driver rests below this share of the rate that it reaches within a radian
+constexpr double kCloser = 1.6;    // if the square of a divisor falls by this factor, its inverse cube doubles
+constexpr double kGrownTwice = 2;  // growth of a condition or a residual that asks for a new measurement
+constexpr double kFaster = 4;      // growth of a rate or an acceleration of a driver that asks for a new measurement
+constexpr double kAtRest = 1e-4;   // a driver rests below this share of the rate that it reaches within a radian
 constexpr double kLeastGrown = 4 * kEps;  // growth of the rounding of a law up to this one does not matter
 constexpr double kSlowerThan = 1.0 / 16;  // part of the fastest rate: differences among slower drivers do not matter
 
@@ -80,28 +78,8 @@ ErrorEstimate::ErrorEstimate(const GroupedSystem& structure, Layout& layout, std
   }
   systems_.reserve(mechanisms_.size());
   omega_.reserve(blocks);
-  find_reads();
   regular_.resize(layout.packs.size());
   interval_ = quadratic ? kStepsBetween : kIntervalUnseen;
-}
-
-// The packs that compute inputs of each pack.
-void ErrorEstimate::find_reads() {
-  std::vector<std::int32_t> pack_of(layout_.size, -1);  // by address
-  for (std::size_t p = 0; p < layout_.packs.size(); ++p) {
-    const Pack& pack = layout_.packs[p];
-    reads_begin_.push_back(reads_.size());
-    for (const std::int32_t a : pack.inputs) {
-      const std::int32_t of = pack_of[idx(a)];
-      const auto begin = reads_.begin() + static_cast<std::ptrdiff_t>(reads_begin_.back());
-      if (of >= 0 && std::find(begin, reads_.end(), of) == reads_.end()) reads_.push_back(of);
-    }
-    const GroupSolver& solver = *layout_.solvers[idx(pack.group_class)];
-    std::fill_n(pack_of.begin() + static_cast<std::ptrdiff_t>(pack.unknowns), solver.group_class().n * solver.lanes(),
-                static_cast<std::int32_t>(p));
-  }
-  reads_begin_.push_back(reads_.size());
-  growth_.resize(layout_.packs.size());
 }
 
 void ErrorEstimate::restart(std::span<const System* const> systems, std::span<const Index> evaluated,
@@ -141,7 +119,6 @@ void ErrorEstimate::restart(std::span<const System* const> systems, std::span<co
   steps_ = branch_checks_ = measurements_ = 0;
   seed_ = 0;
   worst_ = gain_ = left_ = 0;
-  growth_of_group_ = growth_along_paths_ = confirmed_ = 1;
   loose_ = false;
 }
 
@@ -177,42 +154,30 @@ void ErrorEstimate::continue_from(ErrorEstimate& before) {
     mechanisms_[i].limit = before.mechanisms_[i].limit;
   }
   worst_ = before.worst_;
-  confirmed_ = before.confirmed_;
 }
 
-// Errors are carried along paths through the groups. In the worst case they grow by the product of the growths of all
-// conditions on a path; the error of an acceleration also by the square of the largest of them. Where many groups pass
-// their errors on unchanged, the product is far too large: past measurements show how much of it to expect.
+// The error of an acceleration grows by the cube of the growth of a condition. Groups rarely approach a singularity at
+// the same time, so only the largest growth counts: among random chains of 2 to 37 four-bars that all end nearly in
+// line, the product along each path through the groups found 34 of 30,320 measurements more, and changed neither a
+// doubt nor the largest ratio of true to estimated error.
 bool ErrorEstimate::conditions_have_grown(std::int64_t branch_checks, double error) {
   // If equations are solved loosely, conditions are also checked between branch checks.
   if (branch_checks == branch_checks_ && !loose_) return false;
   branch_checks_ = branch_checks;
   const double* before = omega_.data();
-  // Inside its ball a condition may have changed unseen. This is assumed for one group only: groups rarely approach a
-  // singularity at the same time.
-  double grown = 1, open = 1, shrunk = 1, largest = 1;
-  const std::vector<Pack>& packs = layout_.packs;
-  for (std::size_t p = 0; p < packs.size(); ++p) {
-    double own = 0;
-    for (const double omega : packs[p].omega) {
-      own = std::max(own, omega / *before);
+  // Inside its ball a condition may have changed unseen.
+  double grown = 1, open = 1, shrunk = 1;
+  for (const Pack& pack : layout_.packs) {
+    for (const double omega : pack.omega) {
+      grown = std::max(grown, omega / *before);
       shrunk = std::max(shrunk, *before++ / omega);
     }
-    if (own > kGrownTwice && !loose_) return true;
-    largest = std::max(largest, own);
-    for (const double used : packs[p].ball_used) open = std::max(open, 1 / (1 - used));
-    double of_inputs = 1;
-    for (std::size_t r = reads_begin_[p]; r < reads_begin_[p + 1]; ++r) {
-      of_inputs = std::max(of_inputs, growth_[idx(reads_[r])]);
-    }
-    growth_[p] = own * of_inputs;
-    grown = std::max(grown, growth_[p]);
+    for (const double used : pack.ball_used) open = std::max(open, 1 / (1 - used));
   }
+  if (grown > kGrownTwice && !loose_) return true;
   if (in_doubt()) return shrunk > kGrownTwice;
-  if (loose_) largest *= open;
-  growth_of_group_ = largest * largest * largest;
-  growth_along_paths_ = grown / std::min(grown, largest);
-  return std::max(worst_, error) * growth_of_group_ * std::pow(growth_along_paths_, confirmed_) > asked_;
+  if (loose_) grown *= open;
+  return std::max(worst_, error) * grown * grown * grown > asked_;
 }
 
 void ErrorEstimate::begin(std::span<const double> times, const double* const (&state)[3]) {
@@ -443,7 +408,6 @@ void ErrorEstimate::find_worst() {
 }
 
 void ErrorEstimate::finish(const double* const (&state)[3], std::span<const double* const> rows) {
-  const double before = worst_;
   find_worst();
   omega_.clear();
   for (std::size_t p = 0; p < layout_.packs.size(); ++p) {
@@ -479,7 +443,6 @@ void ErrorEstimate::finish(const double* const (&state)[3], std::span<const doub
     worst_ = std::max(worst_, m.now.worst());
     gain_ = std::max(gain_, relative(m, m.sizes, &Size::gain).worst());
   }
-  confirm_growth(before);
 }
 
 // Steps between measurements may leave the largest residual in any equation. A larger one than solved equations have is
@@ -504,15 +467,6 @@ bool ErrorEstimate::find_contradictions(Unseen& unseen) const {
     }
   }
   return found;
-}
-
-// before: the largest error at the last measurement.
-void ErrorEstimate::confirm_growth(double before) {
-  const double along_paths = std::exchange(growth_along_paths_, 1), of_group = std::exchange(growth_of_group_, 1);
-  if (!(along_paths > kGrownTwice) || !(before > 0)) return;
-  const double seen = worst_ / (before * of_group);
-  confirmed_ = seen > 1 ? std::min(kConfirmedSafety * std::log(seen) / std::log(along_paths), 1.0) : 0;
-  confirmed_ = std::max(confirmed_, kLeastConfirmed);
 }
 
 // Errors of the outputs by one probe. Probes of rounding include the rounding of the terms of measures.
@@ -629,9 +583,6 @@ void ErrorEstimate::save(Snapshot& into) const {
   into.worst = worst_;
   into.gain = gain_;
   into.left = left_;
-  into.growth_of_group = growth_of_group_;
-  into.growth_along_paths = growth_along_paths_;
-  into.confirmed = confirmed_;
   into.knows_gain = knows_gain_;
   into.loose = loose_;
   into.branch_checks = branch_checks_;
@@ -649,9 +600,6 @@ void ErrorEstimate::restore(const Snapshot& from, std::int64_t branch_checks) {
   worst_ = from.worst;
   gain_ = from.gain;
   left_ = from.left;
-  growth_of_group_ = from.growth_of_group;
-  growth_along_paths_ = from.growth_along_paths;
-  confirmed_ = from.confirmed;
   knows_gain_ = from.knows_gain;
   loose_ = from.loose;
   branch_checks_ = from.branch_checks + branch_checks;

@@ -170,7 +170,6 @@ class ErrorEstimate {
     std::vector<double> smallest, least, most;  // divisors of the measures: the smallest measured ones, and their range
     std::vector<double> rate, acceleration;     // driven_: the largest ones
   };
-  void find_reads();
   void begin(std::span<const double> times, const double* const (&state)[3]);
   [[nodiscard]] Probes probes() const { return Probes(probes_).first(knows_gain_ ? probes_.size() : 1 + kRandom); }
   void perturb_static(const double* state);
@@ -185,7 +184,6 @@ class ErrorEstimate {
   void finish(const double* const (&state)[3], std::span<const double* const> rows);
   void carry(const Probe& probe, const double* const (&state)[3]);
   [[nodiscard]] bool conditions_have_grown(std::int64_t branch_checks, double error);
-  void confirm_growth(double before);
   void keep_steps_between();
   [[nodiscard]] Figures relative(const Mechanism& m, const std::vector<Size>& sizes, double Size::*what) const;
   void watch_divisors(std::size_t mechanism, const double* divisors);
@@ -211,15 +209,12 @@ class ErrorEstimate {
   std::vector<const System*> systems_;  // systems of the used mechanisms
   std::span<const Index> evaluated_;    // inputs
   const Inputs* inputs_ = nullptr;
-  std::vector<Jet<double>> ahead_;        // like Mechanism::laws, at a later time
-  bool static_known_ = true;              // the probes hold the errors of static coordinates
-  std::size_t used_ = 0;                  // number of used mechanisms
-  std::vector<double> omega_;             // omega of the blocks of all packs at the last measurement
-  std::vector<std::uint8_t> regular_;     // packs
-  std::vector<std::int32_t> reads_;       // packs that compute inputs of a pack, pack after pack
-  std::vector<std::size_t> reads_begin_;  // packs + 1: first index into reads_
-  std::vector<double> growth_;            // packs: largest growth of conditions along a path that ends here
-  double residual_ = 0;                   // the largest residual of a measured step
+  std::vector<Jet<double>> ahead_;     // like Mechanism::laws, at a later time
+  bool static_known_ = true;           // the probes hold the errors of static coordinates
+  std::size_t used_ = 0;               // number of used mechanisms
+  std::vector<double> omega_;          // omega of the blocks of all packs at the last measurement
+  std::vector<std::uint8_t> regular_;  // packs
+  double residual_ = 0;                // the largest residual of a measured step
   std::int64_t branch_checks_ = 0;
   std::int64_t steps_ = 0, interval_ = 0;
   std::int64_t measurements_ = 0;
@@ -229,9 +224,6 @@ class ErrorEstimate {
   double gain_ = 0;  // largest error of all mechanisms for a unit relative residual
   double left_ = 0;  // largest residual of the steps since the last measurement
   bool loose_ = false;
-  // Bounds on the growth of errors since the last measurement, by one group and by the others on its path; and the part
-  // of the second one that measurements confirmed, as an exponent.
-  double growth_of_group_ = 1, growth_along_paths_ = 1, confirmed_ = 1;
 };
 
 struct ErrorEstimate::Snapshot {
@@ -239,7 +231,6 @@ struct ErrorEstimate::Snapshot {
   Watched watched;
   std::vector<double> omega;
   double residual = 0, worst = 0, gain = 0, left = 0;
-  double growth_of_group = 1, growth_along_paths = 1, confirmed = 1;
   bool knows_gain = false, loose = false;
   std::int64_t branch_checks = 0, steps = 0, interval = 0, measurements = 0;
   std::uint64_t seed = 0;
