@@ -13,7 +13,7 @@
 
 namespace assur {
 namespace {
-constexpr int kMostRounds = 10;
+constexpr int kMostRounds = 10;  // a choice: each round halves the error at least
 
 // Goal of a solution: it is refined until its error is at most `target`, and refused if the error remains above
 // `bound`.

@@ -14,6 +14,7 @@ constexpr double kParallel = 1e-8;
 
 constexpr double kSquare = 1e-6;   // largest dot product of a frame's vectors; a scene may give them with seven digits
 constexpr double kOffLine = 1e-9;  // largest relative distance of a member from the line of its body
+// Of a product of vectors; a choice: some roundings.
 constexpr double kRounding = 8 * std::numeric_limits<double>::epsilon();
 
 // Columns: the local axes in ground coordinates.

@@ -19,7 +19,7 @@ constexpr double kLeastSeconds = 1e-12;  // smallest result of a fit
 constexpr double kFarAway = 0.7;         // = log 2
 constexpr double kEnough = 8;            // number of points at which the trust in the fit doubles
 constexpr float kNowhere = 1e9F;         // beyond the reach of any neighbour
-constexpr int kReweightings = 6;
+constexpr int kReweightings = 6;         // a choice
 
 using Terms = std::array<double, kTerms>;
 using Gram = Eigen::Matrix<double, kTerms, kTerms>;

@@ -16,17 +16,18 @@
 namespace assur {
 namespace {
 
-constexpr int kLevels = 20;               // distances, each half of the one before
-constexpr double kLongest = 0x1p-8;       // relative to the unit of an argument
-constexpr double kLongestOfLaw = 0x1p-2;  // relative to a step
-constexpr double kRoundingSteps = 1024;   // every distance is at least this many roundings of the argument
+constexpr int kLevels = 20;               // distances, each half of the one before; a choice: down to 2^-28
+constexpr double kLongest = 0x1p-8;       // relative to the unit of an argument; a choice
+constexpr double kLongestOfLaw = 0x1p-2;  // relative to a step: less than kBetween, so that it stays in the step
+// Every distance is at least this many roundings of the argument, so that they change slopes by 1e-3 at most.
+constexpr double kRoundingSteps = 1024;
 // A derivative is wrong if its error exceeds this many uncertainties. Of 10,000 right ones in derivatives_test.cpp, 1
 // would accuse five, and 4 accuses none.
 constexpr double kSure = 4;
 constexpr double kFloor = 0.1;             // see kDerivativeTolerance
 constexpr double kSpanOfSteps = 100;       // likewise: time steps
-constexpr std::int64_t kStepsToCheck = 8;  // of the time grid
-constexpr double kBetween = 0.381966;      // part of a step: a time that no grid contains
+constexpr std::int64_t kStepsToCheck = 8;  // of the time grid; a choice
+constexpr double kBetween = 0.381966;      // part of a step: 2 minus the golden ratio, a time that no grid contains
 
 struct Slope {
   double value = kNan, uncertainty = kInfinity;

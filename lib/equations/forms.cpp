@@ -10,7 +10,7 @@
 
 namespace assur {
 namespace {
-constexpr double kLocalRounding = 8 * kEps;  // of local coordinates
+constexpr double kLocalRounding = 8 * kEps;  // of local coordinates; a choice: some roundings
 }
 
 // A number with its rounding error. Far from the origin, the sum of a fixed point and an offset on its body loses the

@@ -19,7 +19,7 @@ using Terms = std::vector<Term>;
 
 // The two components that follow each one, in cyclic order.
 inline constexpr int kNext[3] = {1, 2, 0};
-inline constexpr int kAfter[3] = {2, 0, 1};
+inline constexpr int kAfter[3] = {2, 0, 1};  // the second one
 
 class Forms {
  public:

@@ -13,9 +13,9 @@ namespace assur {
 
 namespace {
 
-constexpr unsigned kElsewhere = 3;  // values of the drivers at which quantities are compared
+constexpr unsigned kElsewhere = 3;  // values of the drivers at which quantities are compared; a choice
 constexpr double kSpan = 3;         // SI units: the largest of these values
-constexpr double kSameDot = 1e-12;  // relative difference of products that are equal but for rounding
+constexpr double kSameDot = 1e-12;  // relative difference of products that are equal but for rounding; a choice
 
 // Local axes of a base with three entries, in ground coordinates in the posture as written.
 std::array<Triple, 3> base_axes(const Forms& forms, const Body& body) {

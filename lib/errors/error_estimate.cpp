@@ -17,17 +17,19 @@ namespace {
 // Factor of an estimate. In one of ten thousand cases all five probes are below 1/5 of the true error; rounding errors
 // reach half of their bound.
 constexpr double kSafety = 2.5;
-constexpr double kUsual = 2 * kEps;              // residuals up to this one are normal in any step
+constexpr double kUsual = kSumRounding;          // residuals up to this one are normal in any step
 constexpr double kSolvedToRounding = 16 * kEps;  // equations with smaller residuals are solved as exactly as possible
-constexpr std::int64_t kStepsBetween = 512;      // steps between measurements
-// the same if callbacks hide changes of the condition, or while errors are in doubt
+constexpr std::int64_t kStepsBetween = 512;      // steps between measurements; a choice: one costs as much as 25
+// the same if callbacks hide changes of the condition, or while errors are in doubt; a choice
 constexpr std::int64_t kIntervalUnseen = 16;
 constexpr double kCloser = 1.6;    // if the square of a divisor falls by this factor, its inverse cube doubles
 constexpr double kGrownTwice = 2;  // growth of a condition or a residual that asks for a new measurement
-constexpr double kFaster = 4;      // growth of a rate or an acceleration of a driver that asks for a new measurement
-constexpr double kAtRest = 1e-4;   // a driver rests below this share of the rate that it reaches within a radian
+// Growth of a rate or an acceleration of a driver that asks for a new measurement; a choice.
+constexpr double kFaster = 4;
+// A driver rests below this share of the rate that it reaches within a radian; a choice.
+constexpr double kAtRest = 1e-4;
 constexpr double kLeastGrown = 4 * kEps;  // growth of the rounding of a law up to this one does not matter
-constexpr double kSlowerThan = 1.0 / 16;  // part of the fastest rate: differences among slower drivers do not matter
+constexpr double kSlowerThan = 1.0 / 16;  // part of the fastest rate: slower drivers are not told apart; a choice
 
 }  // namespace
 

@@ -48,15 +48,15 @@ class ErrorEstimate {
   // Returns to a snapshot. branch_checks: number of branch checks since it was saved.
   void restore(const Snapshot& from, std::int64_t branch_checks);
 
-  // Begins a new run. systems: one for each mechanism, all of one structure; evaluated: those of their inputs that are
-  // evaluated; inputs: null if all of them follow their laws. All arguments must outlive the run.
+  // Begins a new run. systems: one for each mechanism, all of one structure; evaluated: their evaluated inputs; inputs:
+  // null if all inputs follow their laws. All arguments must outlive the run.
   void restart(std::span<const System* const> systems, std::span<const Index> evaluated,
                const Inputs* inputs = nullptr);
   // Continues another run of the same outputs: takes over its largest errors and values. The next step is measured.
   void continue_from(ErrorEstimate& before);
 
-  // True if the last measurement is out of date. Call it for every step with the time of each mechanism, the posture,
-  // its largest residual, and the divisors of the measures (OutputProgram::evaluate), measures x mechanisms.
+  // True if a new measurement is due. Call it for every step with the time of each mechanism, the posture, its largest
+  // residual, and the divisors of the measures (OutputProgram::evaluate), measures x mechanisms.
   [[nodiscard]] bool due(std::int64_t branch_checks, std::span<const double> times, const double* const (&state)[3],
                          double residual, const double* divisors);
 
@@ -69,7 +69,7 @@ class ErrorEstimate {
                const double* divisors, const Each& each) {
     (void)measure(times, state, rows, divisors, each, [] { return false; });
   }
-  // The same, unless late(), which is asked before each pack, becomes true: then nothing is measured, due() remains
+  // The same with a deadline: late() is called before each pack. If it is true, nothing is measured, due() remains
   // true, and the result is false.
   template <class Each, class Late>
   [[nodiscard]] bool measure(std::span<const double> times, const double* const (&state)[3],
@@ -101,24 +101,24 @@ class ErrorEstimate {
     return true;
   }
 
-  // Includes the measurement in the errors of the run. The status of the step must then follow in_doubt().
+  // Includes the measurement in the errors of the run. Set the status of the step by in_doubt() afterwards.
   void keep();
 
   // The largest relative residual for which, by the last measurement, errors are not larger than `error`. Infinite if
   // no residual matters; 0 if unknown, because no accuracy is required or because the accuracy is missed.
   [[nodiscard]] double residual_for(double error) const { return knows_gain_ ? error / gain_ : 0; }
-  // Tells the estimate that equations are solved to a larger residual until the next measurement.
+  // loose: until the next measurement, equations are solved to a larger residual.
   void loosen(bool loose) { loose_ = loose; }
-  // Tells the next measurement the largest relative residual of the redundant equations of a mechanism. If it is larger
-  // than the errors of the posture, the numbers of the scene contradict each other by so much, in whatever equations.
+  // Passes the largest relative residual of a mechanism's redundant equations to the next measurement. If the residual
+  // exceeds the errors of the posture, numbers of the scene contradict each other by so much; any equation may have it.
   void contradict(std::size_t mechanism, double residual) { mechanisms_[mechanism].redundant = residual; }
 
   // True if errors were measured since restart(), and if anything is driven or solved.
   [[nodiscard]] bool measured() const {
     return measurements_ > 0 && !(driven_.empty() && static_.coordinates().empty() && layout_.packs.empty());
   }
-  // The residual to which equations are solved while errors are in doubt; 0: as exactly as doubles allow. A run with an
-  // accuracy never takes more work than a run without.
+  // The residual to which equations are solved while errors are in doubt; 0: as exactly as doubles allow. With an
+  // accuracy it is kConverged, so that the run does not take more work than a run without.
   [[nodiscard]] double best() const { return best_; }
   // True if the last measured errors exceed the required accuracy. After a doubtful measurement the limit is half of
   // the accuracy, because errors may double between two measurements.
@@ -134,7 +134,7 @@ class ErrorEstimate {
   // True if errors are in doubt, or would be if steps were solved less exactly.
   [[nodiscard]] bool close_to_doubt() const { return kClose * worst_ > asked_; }
   [[nodiscard]] const Figures& now(std::size_t mechanism = 0) const { return mechanisms_[mechanism].now; }
-  // The largest errors of the run over its largest values. They are in doubt only if a step was.
+  // The largest errors of the run over its largest values.
   [[nodiscard]] ErrorFigures of_run(std::size_t mechanism = 0);
   // The pack and lane with the most uncertain unknowns.
   struct Place {
@@ -161,14 +161,15 @@ class ErrorEstimate {
     double limit = 0;  // larger errors are in doubt
     Place worst;
     double before = 0, step = 0;      // time of the last step, and its length, s
-    double measured = 0, serves = 0;  // time of the last measurement, and how long the rounding of its laws serves, s
+    double measured = 0, serves = 0;  // time of the last measurement, and how long its rounding of laws is valid, s
     double redundant = 0;             // residual of the redundant equations
     std::vector<Jet<double>> laws;    // bounds of the rounding of the evaluated laws, internal units
   };
-  // Where the last measurement is valid, side by side for all lanes.
+  // The last measurement is valid within these bounds; the lanes of a number are side by side.
   struct Watched {
-    std::vector<double> smallest, least, most;  // divisors of the measures: the smallest measured ones, and their range
-    std::vector<double> rate, acceleration;     // driven_: the largest ones
+    std::vector<double> least, most;         // divisors of the measures
+    std::vector<double> smallest;            // of these divisors at all measurements
+    std::vector<double> rate, acceleration;  // driven_: largest ones
   };
   void begin(std::span<const double> times, const double* const (&state)[3]);
   [[nodiscard]] Probes probes() const { return Probes(probes_).first(knows_gain_ ? probes_.size() : 1 + kRandom); }

@@ -47,7 +47,7 @@ struct BoundsOf {
   BoundedJet operator()(const Law::Harmonics& h) const {
     BoundedJet sum{{std::abs(h.offset)}, {}, {}};
     for (const Harmonic& term : h.terms) {
-      constexpr double kOfCycle = 3;
+      constexpr double kOfCycle = 3;  // roundings of at most half a cycle, pi
       const double a = std::abs(term.amplitude), w = kTurn * std::abs(term.frequency);
       const double angle = w != 0 && t != 0 ? kOfCycle + std::abs(term.phase) : 0;
       sum += BoundedJet{{a, a * (angle + 2)}, {a * w, a * w * (angle + 3)}, {a * w * w, a * w * w * (angle + 4)}};

@@ -250,8 +250,8 @@ std::vector<Expressions::Finding> Expressions::define(const std::vector<Paramete
     parsers_->set_broken(parameters[start].name);
     std::size_t i = start;
     for (; visit[i] == n; i = next(i)) visit[i] = start;
-    if (visit[i] != start) continue;  // leads to a cycle that is reported already
-    constexpr std::size_t kShown = 10;
+    if (visit[i] != start) continue;    // leads to a cycle that is reported already
+    constexpr std::size_t kShown = 10;  // names; a choice
     std::string circle = excerpt(parameters[i].name);
     std::size_t first = i, length = 1;
     for (std::size_t j = next(i); j != i; j = next(j), ++length) {

@@ -20,7 +20,7 @@ Scene build(SceneBuilder builder, std::string_view text) {
   }
 }
 
-constexpr std::size_t kMostSceneFindings = 1000;
+constexpr std::size_t kMostSceneFindings = 1000;  // a choice: more than anyone reads
 
 // Shortens findings: they quote keys of the file, and there may be millions of them.
 std::vector<Diagnostic> readable(std::vector<Diagnostic> findings) {

@@ -154,7 +154,7 @@ struct TriadPosture {
   }
 };
 
-constexpr int kMostNewton = 20;
+constexpr int kMostNewton = 20;  // a choice: Newton's method doubles the digits of the pose of the time before
 constexpr double kSettled = 1e-13, kConverged = 1e-9;  // corrections, relative to the size of the pose
 
 // Leads a triad from the time before the block to its times. False in lanes in which Newton's method fails.

@@ -8,7 +8,7 @@
 namespace assur {
 namespace {
 
-constexpr std::size_t kMostNamed = 12;
+constexpr std::size_t kMostNamed = 12;  // a choice: a message of a line or two
 
 bool is_point(const System& s, const std::string& name) { return s.item(name).dimension == 1; }
 

@@ -49,7 +49,7 @@ struct Attempt {
   double largest_correction = 0;  // pass: a larger first correction (maximum norm) may lead to the other branch
   const PackLimit* limit = nullptr;
   bool all_rates = false;   // compute rates of all unknowns, wanted or not; accelerations of all or none
-  bool makes_code = false;  // start: machine code may be made, which takes time; else only what was made before is used
+  bool makes_code = false;  // start: machine code may be made, which takes time; else only existing code is used
 };
 
 }  // namespace assur

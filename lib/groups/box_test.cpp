@@ -17,8 +17,8 @@ HWY_BEFORE_NAMESPACE();
 namespace assur::HWY_NAMESPACE {
 namespace {
 
-constexpr int kGrowths = 20;  // attempts to enlarge a box until it contains its image
-constexpr double kRadiusGrowth = 1.2;
+constexpr int kGrowths = 20;           // attempts to enlarge a box until it contains its image
+constexpr double kRadiusGrowth = 1.2;  // in one attempt; a choice
 // Margins for the postures between the examined ones.
 constexpr double kDefectBetween = 1.5, kChangeBetween = 1.25;
 // Residuals below this are only rounding, with a margin: at a change point they decide between the branches.

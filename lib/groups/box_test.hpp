@@ -14,7 +14,7 @@ namespace assur {
 // For the blocks of one class.
 class BoxTest {
  public:
-  static constexpr std::size_t kPostures = 4;
+  static constexpr std::size_t kPostures = 4;  // along the tube, side by side: kAlongTheTube
   // An entry of the Jacobian of a block: nonzero of the pattern, and its place in the block.
   struct Entry {
     std::int32_t nonzero, row, column;

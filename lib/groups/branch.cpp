@@ -11,8 +11,8 @@
 namespace assur {
 namespace {
 
-constexpr std::int32_t kDenseInverse = 64;
-constexpr int kHagerRounds = 3;
+constexpr std::int32_t kDenseInverse = 64;  // unknowns of a block; norms of inverses of larger ones are estimated
+constexpr int kHagerRounds = 3;             // a choice: Hager's estimate usually ends after two
 
 // out = a^-1 by Gauss-Jordan with row pivoting (column-major, n x n; a is overwritten). False: singular.
 bool invert_dense(double* a, double* out, std::int32_t n) {

@@ -11,7 +11,7 @@
 //   e + M r <= r,   e = |C Phi(q)|,   M = |C| (|J1 - J(q)| + |Phi'' r|),   C = J1^-1
 // (Krawczyk 1969). If this holds all along the cubic, the boxes form a tube with one solution at every time, which
 // leads from the anchor to the new posture. The test examines four postures, with a margin for the postures between
-// them, and assumes that the inputs follow the cubic as well. It is therefore no proof: its quality depends on how well
+// them, and assumes that the inputs follow the cubic as well. It is no proof: its quality depends on how well
 // the step resolves the motion of the inputs.
 #pragma once
 

@@ -15,7 +15,7 @@ HWY_BEFORE_NAMESPACE();
 namespace assur::HWY_NAMESPACE {
 namespace {
 
-constexpr int kLanes = 8;
+constexpr int kLanes = 8;  // doubles of the widest vector
 using L = Lanes<kLanes>;
 
 void copy(std::span<const Run> runs, const double* from, double* to) {

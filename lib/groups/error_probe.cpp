@@ -18,8 +18,8 @@
 namespace assur {
 namespace {
 
-constexpr double kHalfEps = kEps / 2;
-constexpr std::size_t kVectorLanes = 8;
+constexpr double kHalfEps = kEps / 2;    // rounding of one operation
+constexpr std::size_t kVectorLanes = 8;  // probes of one lane that are computed side by side
 
 }  // namespace
 

@@ -105,14 +105,15 @@ class GroupSolver {
  private:
   [[nodiscard]] Status take(const PackLimit& limit, const Pack& pack, double* const (&state)[3], Counters& counters,
                             StepErrors& errors);
-  // Tries the step in registers; false if it does not apply, or if lanes fail: the results of the others are then kept.
+  // Tries the step in registers. False if the step cannot be made so, or if lanes fail; results of other lanes are
+  // kept.
   [[nodiscard]] bool small_step(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters,
                                 StepErrors& errors, Status& status);
-  // True if small steps do what the attempt asks for.
+  // True if small steps can make this attempt.
   [[nodiscard]] bool serves(const Attempt& attempt) const {
     return attempt.iterations == 0 && (!attempt.all_rates || work_.group_class.derivatives > 0);
   }
-  // Tries the step by Pack::machine_code; false if it does not apply, or if a lane fails.
+  // Tries the step by Pack::machine_code. False if there is none, or if a lane fails.
   [[nodiscard]] bool class_step(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters,
                                 StepErrors& errors, Status& status);
   [[nodiscard]] bool is_near(const Pack& pack, const double* state, const double* first_correction);

@@ -9,7 +9,7 @@
 
 namespace assur {
 
-// Sets what a program may read and write of a pack itself, which stays where it is. memory: kMemories
+// Points to the arrays of a pack that a program may read and write in place. memory: kMemories
 inline void point_to(const Pack& pack, double** memory) {
   const auto put = [&](Memory m, std::span<const double> numbers) {
     memory[static_cast<std::size_t>(m)] = const_cast<double*>(numbers.data());

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kFold = 30;  // a larger ratio of velocity to input velocity near a singularity indicates a fold
 constexpr std::int32_t kLargestBlock = 400;  // unknowns; larger blocks would take minutes
-constexpr int kInverseIterations = 32;
+constexpr int kInverseIterations = 32;       // a choice: each one divides the other directions by (sigma_1 / sigma_2)^2
 
 using DenseVector = Eigen::Map<Eigen::VectorXd>;
 
@@ -105,7 +105,7 @@ class SingularValues {
     left_.normalize();
   }
 
-  static constexpr double kLeastPivot = 1e-290;
+  static constexpr double kLeastPivot = 1e-290;  // squares of entries up to 1e9 divided by it do not overflow
 
   Eigen::Index n_;
   Eigen::Map<Eigen::MatrixXd> a_;

@@ -15,7 +15,7 @@ namespace assur {
 
 // Results of a step. W numbers are valid until the next run.
 struct SmallStepFigures {
-  // Relative residuals: the largest so far; run() raises them if no lane fails.
+  // Largest relative residuals; run() raises them if no lane fails.
   double position = 0, velocity = 0, acceleration = 0;
   const double *iterations = nullptr, *ball_used = nullptr, *needs_anchor = nullptr;  // W
   const double* failed = nullptr;  // W: 0, or 1 where the general path must solve the step
@@ -24,7 +24,7 @@ struct SmallStepFigures {
   bool balls_last = true;  // no lane needs another anchor before its next step
 };
 
-// What makes new anchors after a step.
+// Makes new anchors after a step.
 class AnchorStep {
  public:
   virtual ~AnchorStep() = default;

@@ -34,7 +34,7 @@ inline constexpr double kSomewhatApart = 1e-6;  // and of any base
 
 inline constexpr std::size_t kSearched = 1000;  // features of a body among which one is looked for, or a length sampled
 
-inline constexpr int kNobody = -1;
+inline constexpr int kNobody = -1;  // no solid
 inline constexpr Index kLast = std::numeric_limits<Index>::max();
 
 using triple::unit;
@@ -70,7 +70,7 @@ struct Feature {
   Triple at{};
   bool fixed = false;
   bool driven = false;  // a driver determines it
-  bool wanted = true;   // false: used in a base only if no other feature suffices
+  bool wanted = true;   // false: used in a base only if other features do not suffice
   Home home = Home::nowhere;
   int solid = kNobody;  // the solid whose member it is; kNobody: it has its own unknowns
   int from = kNobody;   // the solid whose member it was as written
@@ -136,9 +136,9 @@ class Expansion {
   void put_on(int solid, std::size_t feature) {
     if (on_.emplace(solid, feature).second) solids_[idx(solid)].features.push_back(feature);
   }
-  // What the scene has already: points, vectors, members.
+  // Adds the points, vectors and members of the scene.
   void place_features();
-  // Puts the base of a body, or its `rigid` items, on its solid.
+  // Puts the base or the `rigid` items of a body on its solid.
   void take_base(const Body& b, int s);
   // Ground coordinates of a member of a body whose base is declared in the scene; false if they are not known yet.
   bool to_ground(const Body& b, const Member& m, bool is_point, Triple& out) const;
@@ -176,8 +176,8 @@ class Expansion {
   [[nodiscard]] bool is_locked(const Slide& s) const {
     return s.a == s.b || (features_[s.point].fixed && features_[s.origin].fixed && features_[s.axis].fixed);
   }
-  // A prismatic joint keeps a second direction, unless nothing depends on it: a body whose features are all on the line
-  // of the joint may turn, if it does not lead the turn of one body to another.
+  // Gives the bodies of prismatic joints a common second direction, which keeps them from turning. A rod, whose
+  // features all lie on the line of the joint, needs none unless other bodies turn with it.
   void share_sides();
 
   // ---- coordinates (coordinates.cpp)
@@ -210,10 +210,10 @@ class Expansion {
   void between(const Joint& j);
 
   // ---- bases (bases.cpp; levels in levels.cpp)
-  // Solids that can be solved first come first, so that no base consists of members that are solved later. Among these,
-  // solids with many features come first, because their neighbours use these members.
+  // Solids in solving order, so that no base consists of members that are solved later. On one level, solids with many
+  // features come first, because their neighbours use these members.
   [[nodiscard]] std::vector<std::size_t> order() const;
-  // Number of rotations in space that anything depends on: fewer than 3 if all features are on one line.
+  // Number of rotations in space that move a feature: fewer than 3 if all features lie on one line.
   [[nodiscard]] Index turns_of(const Solid& s) const;
   // Sets the levels of solids, from a graph of their freedoms, first translations, then rotations. Points and vectors
   // that belong to no solid have freedoms, too. A joint reads those of both its bodies.
@@ -226,17 +226,17 @@ class Expansion {
   // How far the features of a base are apart: of three points, the smallest height of their triangle. A base whose
   // points are close to each other makes groups badly conditioned, so that their steps need more tests of the branch.
   [[nodiscard]] Number width(const std::vector<std::size_t>& base) const;
-  // Exchanges points of a base for equal ones of the body as long as it gets wider.
+  // Replaces points of a base by points of the body that serve as well, while the base gets wider.
   void widen(std::vector<std::size_t>& base, const std::vector<std::size_t>& all,
              const std::function<bool(std::size_t, std::size_t)>& are_equal) const;
   // The base of a body whose base the scene declares.
   [[nodiscard]] std::vector<std::size_t> own_base(std::size_t s) const;
-  // The other features of a solid become its members. A feature that is known, or a
-  // member of another solid, gets a copy that a constraint ties to it.
+  // The other features of a solid become its members. A known feature, or a member of another solid, gets a copy that a
+  // constraint ties to it.
   void settle(std::size_t s, const std::vector<std::size_t>& base);
   // True if the body cannot move this feature: it lies on an axis of the ground.
   [[nodiscard]] bool rests(const std::vector<std::size_t>& base, const Feature& f, double share) const;
-  // False if a solid that stands on this feature determines, perhaps through others, the base of this solid.
+  // False if this would close a circle: the base of this solid depends, directly or through others, on the feature.
   [[nodiscard]] bool may_determine(int solid, std::size_t feature) const;
 
   // ---- the new lists (writing.cpp)
@@ -251,8 +251,7 @@ class Expansion {
   [[nodiscard]] std::size_t companion(const Tie& tie) const;
   void set_base(std::size_t s, const std::set<std::string>& still);
   void write(const Slide& s);
-  // Equations that need not be written, because the other joints of fixed parts imply them: 0 = 0, so that they are
-  // counted among the redundant ones.
+  // Writes 0 = 0 for each equation that other joints of fixed parts imply, so that it counts as redundant.
   void write_implied();
   // Counts the distances and angles of bases that other bodies keep.
   void count_kept_sides();
@@ -291,7 +290,7 @@ class Expansion {
   std::vector<Tie> ties_;
   std::set<std::pair<int, std::size_t>> tied_;    // the same
   std::map<std::size_t, std::set<int>> keepers_;  // features: solids that keep them in place
-  std::set<std::string> gone_;                    // bodies that have no motion of their own, or none that is computed
+  std::set<std::string> gone_;  // bodies without a motion of their own, and bodies whose motion is not computed
 };
 
 }  // namespace assur::joints

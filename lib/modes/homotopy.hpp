@@ -22,10 +22,10 @@ struct Solutions {
   };
   std::vector<Simple> real;  // simple solutions
   int paths = 0;
-  int complex = 0;   // simple solutions that are not real
-  int diverged = 0;  // paths to infinity
-  int multiple = 0;  // paths that end at solutions that rounding cannot tell from multiple ones
-  int lost = 0;      // paths without an end; > 0: solutions may be missing
+  int complex = 0;                             // simple solutions that are not real
+  int diverged = 0;                            // paths to infinity
+  int multiple = 0;                            // paths to solutions that may be multiple: rounding hides the difference
+  int lost = 0;                                // paths without an end; > 0: solutions may be missing
   std::vector<Eigen::VectorXd> real_multiple;  // real parts of multiple solutions that are real, each once
 };
 

@@ -25,9 +25,9 @@
 namespace assur {
 namespace {
 
-constexpr std::size_t kMostWithLinear = 48;  // unknowns of a group before linear equations are eliminated
-constexpr int kPolishSteps = 8;
-constexpr double kAtFold = 1e-4;  // internal units: a multiple solution is known to about 1e-6
+constexpr std::size_t kMostWithLinear = 48;  // unknowns of a group before linear equations are eliminated; a choice
+constexpr int kPolishSteps = 8;              // of Newton's method; the tests take 6
+constexpr double kAtFold = 1e-4;             // internal units: a multiple solution is known to about 1e-6
 
 // A mode with its unknowns as in the posture.
 struct Found {

@@ -13,7 +13,7 @@ namespace assur {
 // m polynomials in m unknowns z. The unknowns x of the group are x = origin + basis z.
 struct Quadratics {
   enum class Kind : std::uint8_t {
-    square,         // as many polynomials as unknowns; none of a linear combination of them is linear
+    square,         // as many polynomials as unknowns; no linear combination of them is linear
     contradictory,  // linear equations contradict each other: there is no solution, real or complex
     dependent,      // fewer polynomials than unknowns: solutions are not isolated
   };

@@ -13,9 +13,9 @@ namespace {
 
 // omega E: see the header.
 constexpr double kMostBow = (1 - kBall) * (1 - kBall);
-// Steps that are this far from the limit, as a factor of the bows, need no new probes at every anchor: where omega
-// grows fourfold, the probes grow likewise.
-constexpr double kGrown = 4;  // growth of omega of a block for which the probes are measured again
+constexpr double kGrown = 4;  // growth of omega of a block for which the probes are measured again; a choice
+// If the bows may be this many times larger, probes are not measured at every anchor: where omega grows by kGrown, the
+// probes grow likewise.
 constexpr double kFar = kGrown * kGrown;
 constexpr std::int64_t kRounds = 2;  // anchors of each block, on average, until they are measured again anyway
 // Where an unknown rests although its inputs move, as at a dead centre, it will not rest for long.

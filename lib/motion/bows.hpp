@@ -1,12 +1,12 @@
-// What happens between the ends of a step. A law may leave its chord there by its bow e = h^2/8 max|u''|, and a step
-// whose ends agree may hide a whole period. To first order the unknowns follow the bows as they follow changes of the
-// laws: J dq = -Phi_h dh. Up to five probes carry the bows through the levels, one law each; further laws share probes
-// with random signs. The unknowns of a block then leave their way by at most E = sum |probe|, and the way stays in the
-// ball of the branch (groups/branch.hpp) if omega E is at most the part of the ball that a step leaves free, squared,
-// because the inverse of the Jacobian grows within the ball. A step that is too long by this measure must be divided.
+// The motion between the ends of a step. A law may leave its chord there by its bow e = h^2/8 max|u''|: a step whose
+// ends agree may hide a whole period. To first order the unknowns follow the bows as they follow changes of the laws:
+// J dq = -Phi_h dh. Up to five probes carry the bows through the levels, one law each; further laws share probes with
+// random signs. The unknowns of a block then leave their way by at most E = sum |probe|. The way stays in the ball of
+// the branch (groups/branch.hpp) if omega E <= f^2, where f is the part of the ball that a step leaves free; the square
+// allows for the growth of the Jacobian's inverse within the ball. A longer step must be divided.
 //
-// The probes are measured at an accepted posture. They serve until anchors have changed if the step is far from the
-// limit, else until the next anchor. On an even grid with harmonic laws an ordinary step costs a few comparisons, and
+// The probes are measured at an accepted posture. Steps far from the limit use them until all anchors have changed,
+// other steps until the next anchor. On an even grid with harmonic laws an ordinary step costs a few comparisons, and
 // linear laws cost nothing.
 #pragma once
 
@@ -22,21 +22,20 @@ namespace assur {
 // The bows of one mechanism, or of the mechanisms in the lanes of a tile.
 class Bows {
  public:
-  // laws: number of laws that may leave their chords; 0: none ever does, and no memory is needed. layout: must outlive
-  // it
+  // laws: number of laws that may leave their chords; 0: no memory is needed. layout must outlive this object.
   void resize(Layout& layout, std::size_t laws, std::size_t mechanisms);
 
   // Forgets the probes.
   void clear() { measured_.at = -1; }
-  // To be called when a step begins: if it comes close to its limit, its own probes decide where it is divided, so that
-  // earlier steps, also those that failed, do not.
+  // To be called when a step begins. A step close to its limit measures its own probes, so that its division does not
+  // depend on earlier steps.
   void begin_step() { is_fresh_ = false; }
-  // Forgets the probes if only the next step that comes close to its limit needs new ones.
+  // The next step close to its limit must measure new probes; other steps need none.
   void doubt() { measured_.doubted = true; }
 
-  // Takes the bows of the laws of a mechanism on a step. False if none of them leaves its chord.
+  // Takes the bows of a mechanism's laws on a step. False if all laws follow their chords.
   bool take(std::span<const double> bows, std::size_t mechanism = 0);
-  // After take(): true if the probes serve for this step.
+  // After take(): true if the probes are valid for this step.
   [[nodiscard]] bool serve(std::int64_t branch_checks);
 
   // After take(): measures the probes at the accepted posture `state`. known(m, p, rates): writes the known coordinates
@@ -81,7 +80,7 @@ class Bows {
   }
 
  private:
-  static constexpr std::size_t kProbes = 5;
+  static constexpr std::size_t kProbes = 5;  // as those of the error estimate (ErrorEstimate::kRandom)
 
   void begin();
   [[nodiscard]] std::span<const double> share(std::size_t mechanism, std::size_t probe);
@@ -97,7 +96,7 @@ class Bows {
   LaneArray sizes_;
   std::vector<std::uint8_t> regular_;  // packs
   Measured measured_;
-  std::int64_t checked_ = -1;  // branch checks for which the probes are known to serve
+  std::int64_t checked_ = -1;  // branch checks for which the probes are known to be valid
   bool is_fresh_ = false;      // measured in the current step
 };
 

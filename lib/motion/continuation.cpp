@@ -27,7 +27,7 @@ bool worth_halving(Code code) {
 
 // Where to start instead of a posture at which branches cross.
 std::string start_beside(const System& system, double time) {
-  constexpr double kBeside = 0.1;  // rad, or characteristic lengths
+  constexpr double kBeside = 0.1;  // rad, or characteristic lengths; a choice
   std::string example;
   for (const DriverInput& in : system.inputs) {
     if (in.laws.size() != 1) continue;
@@ -502,7 +502,7 @@ Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
   any_turn_ = turn_guessed_ = expands_ = false;
   shortest_ = first;
   approach_.clear();
-  largest_correction_ = kSureOfBranch;
+  largest_correction_ = WalkRules::kSureOfBranch;
   if (on_change_point()) expand();
   NearPass near;
   int in_a_row = 0;  // attempts that were rejected; from kExpandAfter on the count is kept

@@ -28,6 +28,7 @@
 #include "numbers.hpp"
 #include "plan/preparation.hpp"
 #include "program/step_rules.hpp"
+#include "start/walk.hpp"
 
 namespace assur {
 
@@ -165,10 +166,8 @@ class Continuation {
 
  private:
   static constexpr int kStepHalvings = 20;  // a step is halved down to 2^-20, then its failure is examined
-  static constexpr double kSmallestStep = 1.0 / (1 << kStepHalvings);
-  // Largest first correction behind a change point, over the distance of the branches, which is that of the move.
-  static constexpr double kSureOfBranch = 1e-3;
-  static constexpr int kMostRejected = 40000;  // attempts at one step for any reason
+  static constexpr double kSmallestStep = 1.0 / (1 << kStepHalvings);  // over the whole step
+  static constexpr int kMostRejected = 40000;                          // attempts at one step for any reason
 
   void use(StepCode& code);
   void repeat_in_idle_lanes();

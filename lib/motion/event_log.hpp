@@ -38,7 +38,7 @@ struct Noticed {
 // Events name the group of a status, but no other object.
 [[nodiscard]] inline Place only_group(Place place) { return place.is(Place::Kind::group) ? place : Place(); }
 
-// The events of a run, or the latest ones of single steps. Positions count all events, also those that were dropped.
+// The events of a run, or the latest ones of single steps. Positions count all events, including dropped ones.
 class EventLog {
  public:
   // Begins anew, as the log of a run, which keeps all events and grows.

@@ -15,7 +15,7 @@
 namespace assur {
 namespace {
 
-constexpr std::size_t kLargestDense = 200;  // unknowns of a dense matrix
+constexpr std::size_t kLargestDense = 200;  // unknowns of a dense matrix; a choice: it is factored during motions
 
 }  // namespace
 

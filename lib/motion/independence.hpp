@@ -43,9 +43,10 @@ class Independence {
     Index equation;
     std::vector<Entry> entries = {};  // its gradient
     double length = 0;                // over the unknowns of the units; at least kLeastScale
-    // Of a quadratic equation: an entry is the sum of value * coordinate of these, those of each entry in a row.
+    // Quadratic equations: an entry is the sum of value * coordinate over its slopes; the slopes of an entry are
+    // consecutive.
     std::vector<Entry> slopes = {};
-    std::vector<std::uint32_t> ends = {};  // entries: of the range of slopes
+    std::vector<std::uint32_t> ends = {};  // entries: end of their range in slopes
   };
   struct Unit;  // equations and unknowns that are solved together: an irreducible block of a group
   void collect(const GroupedSystem& structure);

@@ -13,10 +13,9 @@
 namespace assur {
 namespace {
 
-constexpr double kShorter = 1.0 / 4;     // length of the next attempt over that of the last one
-constexpr double kLeast = 0x1p-44;       // shortest attempt, as a part of the step,
-constexpr double kResolved = 16 * kEps;  // but not shorter than this part of the time
-constexpr int kMostWalked = 1000;        // attempts on a part of the way to or from a change point; usually some tens
+constexpr double kShorter = 1.0 / 4;  // length of the next attempt over that of the last one; a choice
+constexpr double kLeast = 0x1p-44;    // shortest attempt, as a part of the step, but not shorter than kResolvedTime
+constexpr int kMostWalked = 1000;     // attempts on a part of the way to or from a change point; usually some tens
 // singular value over the largest one; below it the error of a posture exceeds eps / kClear^2
 constexpr double kClear = 1e-5;
 constexpr double kLookedAt = 4e-6;  // singular values below it are too close to predict the least one of a crossing
@@ -28,7 +27,7 @@ constexpr double kManyRoundings = 256;  // of the inputs: closer to a fold, resi
 constexpr double kRoomOfBranch = 4;     // for the way up to a fold
 constexpr int kMoreHalvings = 6;        // halvings of the shortest step on the way back from a change point
 constexpr double kApart = 1.0 / 16;  // part of that reach: least distance from the change point to the end of the step
-constexpr double kLittleLever = 1e-3;  // a lever below this part of its value at the start is about to vanish
+constexpr double kLittleLever = 1e-3;  // a choice: a lever below this part of its value at the start is about to vanish
 
 // Length of the way of a block's inputs between two postures.
 double way(const Singularity& far, const Singularity& near) {
@@ -77,7 +76,8 @@ Status Continuation::at_the_limit(const Status& failed, double target, double t,
   double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
   levels_.solver(pack).diagnose(pack, q, diagnosis_, here_);
   Status found = here_.status;
-  const double least = std::max(first * (kLeast / kSmallestStep), kResolved * std::max(std::abs(now_), std::abs(t)));
+  const double least =
+      std::max(first * (kLeast / kSmallestStep), kResolvedTime * std::max(std::abs(now_), std::abs(t)));
   const bool shorter = kShorter * shortest_ >= least;
   if (found.code == Code::fold && !turns_back() && (shorter || !falls_to_zero(approach_, here_))) {
     found.code = Code::branch_unknown;
@@ -206,7 +206,7 @@ std::pair<double, double> Continuation::fold_between(double target, double t) {
   }
   if (deadline_passed()) until = t;
   const double rounding =
-      std::max(kResolved * std::max(std::abs(now_), std::abs(until)), kManyRoundings * state_.time_of_rounding());
+      std::max(kResolvedTime * std::max(std::abs(now_), std::abs(until)), kManyRoundings * state_.time_of_rounding());
   while (ends && settings_.iterations == 0 && std::abs(until - from) > rounding) {
     const double middle = from + (until - from) / 2;
     const bool solved = is_solved(middle);
@@ -247,7 +247,7 @@ bool Continuation::pass_by(double reach, double smallest, double to) {
   if (walked) {
     over_ = &way_over_;
     passing_[at_its_change_point] = 1;
-    largest_correction_ = kSureOfBranch * (to - change) / (to - now_);
+    largest_correction_ = WalkRules::kSureOfBranch * (to - change) / (to - now_);
     for (std::size_t more = 0; more < packs_.size() && !passed; ++more) {
       passed = try_step(to, Attempt::Branch::inside).ok();
       // failed_pack_ is packs_.size() if no pack failed.

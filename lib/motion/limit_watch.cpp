@@ -17,10 +17,9 @@ constexpr double kRounding = 256 * kEps;
 // A bow that is smaller than this part of the bound, or of 1 rad or the typical length, hides nothing: the polynomial
 // of degree 5 is then closer to the motion by orders of magnitude.
 constexpr double kHidden = 0x1p-14;
-constexpr double kResolved = 16 * kEps;  // width of a bracket, relative to the time
-constexpr double kNarrow = 0x1p-26;      // error of the place of an extremum, relative to the step
-constexpr int kMostProbes = 200;
-constexpr std::size_t kJet = 3;                                                              // columns of one quantity
+constexpr double kNarrow = 0x1p-26;  // error of the place of an extremum, relative to the step
+constexpr int kMostProbes = 200;     // one of three halves a bracket, so that 156 reach kResolvedTime
+constexpr std::size_t kJet = 3;      // columns of one quantity
 constexpr std::size_t kMostSamples = std::tuple_size_v<decltype(Quintic::Extrema::at)> + 2;  // of one step
 
 // Halves a polynomial of degree 4 in Bernstein form; `d` becomes its first half.
@@ -263,7 +262,7 @@ void LimitWatch::bracket(std::size_t bound, double from, double excess_from, dou
     const double at = leaves ? from : until;
     return found_.push_back({bound, leaves, at, at});
   }
-  const double width = kResolved * std::max(std::abs(from), std::abs(until));
+  const double width = kResolvedTime * std::max(std::abs(from), std::abs(until));
   double weight_from = excess_from, weight_until = excess_until;
   double wide = std::abs(until - from);
   int stays = 0;  // 1: `until` stayed at the last probe, -1: `from`

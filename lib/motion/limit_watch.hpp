@@ -13,10 +13,14 @@
 
 #include "assur/report.hpp"
 #include "equations/system.hpp"
+#include "numbers.hpp"
 #include "outputs/angle_turns.hpp"
 #include "outputs/output_program.hpp"
 
 namespace assur {
+
+// Smallest difference of times, over the time itself. A choice: some roundings of the sums that give times.
+inline constexpr double kResolvedTime = 16 * kEps;
 
 // The polynomial of degree 5 on [0, 1] in Bernstein form: it lies between its least and its largest coefficient.
 class Quintic {
@@ -63,8 +67,8 @@ class LimitWatch {
 
   // Reads the posture that may be accepted next. True if a quantity may leave or enter its limit on the way there.
   [[nodiscard]] bool may_change(Posture q, double time);
-  // After may_change(): true if a quantity may have left or entered its limit on the way, but the laws may leave their
-  // chords so far that the polynomial does not show it. times: factor of the bows, see measure()
+  // After may_change(): true if the laws may leave their chords so far that the polynomial misses a quantity that left
+  // or entered its limit on the way. times: factor of the bows, see measure()
   [[nodiscard]] bool hides_change(double times) const;
   // Measures how far each quantity may leave its way within a step, to first order: by the changes of the coordinates
   // that the probes hold. resting: zeros, of the size of the state

@@ -1,5 +1,5 @@
-// What one mechanism in motion allows besides the groups that are solved: levers that must not vanish, redundant
-// equations and the choice among them, limits, and angles whose turns are counted. Continuation has one mechanism, Tile
+// The conditions of one mechanism in motion besides its groups: levers that must not vanish, redundant equations and
+// the choice among them, limits, and angles whose turns are counted. Continuation has one mechanism, Tile
 // one in each lane.
 #pragma once
 
@@ -36,7 +36,7 @@ class Mechanism {
   void bind(const System& system, bool chooses);
   // Marks the addresses that the checks read.
   void mark(std::vector<std::uint8_t>& addresses) const;
-  // Signed angles that follow the postures besides those of limits; must outlive it.
+  // Adds signed angles, besides those of limits, that follow the postures; they must outlive this object.
   void follow(AngleTurns& turns) {
     if (!turns.empty()) turns_.push_back(&turns);
   }
@@ -67,8 +67,8 @@ class Mechanism {
   [[nodiscard]] Watch& watch() { return *watch_; }
   // Largest relative residual of the redundant equations; 0 if there are none.
   [[nodiscard]] double contradiction(const double* q) { return watch_ ? watch_->residual(q) : 0; }
-  // Largest coefficient of a redundant equation in terms of those that are solved. branch_checks: number of anchors;
-  // it is computed once for each.
+  // Largest coefficient when the redundant equations are written as combinations of the solved ones. branch_checks:
+  // number of anchors; the coefficient is computed once for each anchor.
   [[nodiscard]] double largest_coefficient(const double* q, std::int64_t branch_checks);
   // The redundant equations that a new choice checks at a posture, all coordinates, in ascending order; empty: unknown
   [[nodiscard]] std::vector<std::int32_t> checks_chosen_anew(std::span<const double> coordinates) const;
@@ -76,7 +76,7 @@ class Mechanism {
   [[nodiscard]] bool set_is_poor(const double* q, std::int64_t branch_checks) {
     return !(largest_coefficient(q, branch_checks) <= poor_);
   }
-  // At a fold of all equations the chosen ones are as good as any others, and choosing takes memory and time.
+  // False at a fold of all equations: there no other choice is better, and choosing takes memory and time.
   [[nodiscard]] bool another_set_may_help(const double* q) {
     return !independence_ || !(independence_->largest_coefficient(q) <= poor_);
   }
@@ -101,7 +101,7 @@ class Mechanism {
 
   // ---- state
 
-  // Begins a step: save(in_step) then has what the step changes before it is accepted.
+  // Begins a step: remembers the state that the step changes before it is accepted, for save(in_step).
   void begin_step() { level_at_begin_ = level_; }
   struct Snapshot {
     std::vector<Lever> levers;
@@ -140,12 +140,13 @@ class Mechanism {
   double largest_coefficient_ = 0, poor_ = kPoorSet;
   std::int64_t measured_at_ = -1;  // branch check of that coefficient
   std::unique_ptr<LimitWatch> limits_;
-  std::vector<AngleTurns*> turns_;  // without those of limits
+  std::vector<AngleTurns*> turns_;  // besides the angles of limits
 };
 
 // Checks the redundant equations of mechanisms that are solved together, mechanism i at q + i, where the solved
-// equations hold to the relative residual `left`. Whether the others hold cannot be decided below that, so correct()
-// may bring all to the rounding level by one more correction. worst: receives the mechanism with the largest residual.
+// equations hold to the relative residual `left`. Residuals of redundant equations below `left` prove nothing, so
+// correct() may bring all equations to the rounding level by one more correction. worst: receives the mechanism with
+// the largest residual.
 template <class Correct>
 [[nodiscard]] Status check_watched(std::span<Mechanism> mechanisms, const double* q, double left, bool may_correct,
                                    const Correct& correct, Counters& counters, StepErrors& errors, std::size_t& worst) {

@@ -20,7 +20,7 @@ class NearPass {
   void see(double bend, double from, double until) {
     if (bend > peak_) peak_ = bend, from_ = from, until_ = until;
   }
-  // Another event tells what was passed.
+  // Another event reports the posture that was passed.
   void explain() { explained_ = true; }
 
   // False: no bend at the end of the step can make it a near pass.

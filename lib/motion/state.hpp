@@ -50,7 +50,7 @@ class State {
   void begin_expansion(double t, Prediction& out, int derivatives = 2);
   // A prediction by a polynomial through accepted postures that keep() collected, newest first.
   struct Way {
-    static constexpr std::size_t kMost = 4;
+    static constexpr std::size_t kMost = 4;  // postures: a cubic
     std::array<LaneArray, kMost> postures;
     std::array<double, kMost> times{};
     std::size_t count = 0;

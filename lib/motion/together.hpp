@@ -1,8 +1,8 @@
 // The strategy +together: one step of the groups of all levels at once. The groups are linearised at the prediction and
-// factorised side by side, whatever their levels, and only a linear recurrence over their couplings runs through the
-// levels (program/together_step.hpp). This is Newton's method for the whole block triangular system. The tests of a
-// step are those of single groups: residuals, the first correction and the ball of every group, and its anchor. The
-// pivots of larger groups are those that serve the groups of their class at the start posture.
+// factorised side by side, independent of their levels; only a linear recurrence over their couplings runs through the
+// levels (program/together_step.hpp). This is Newton's method for the whole block triangular system. A step passes the
+// tests of single groups: residuals, first correction, ball and anchor of every group. Larger groups use the pivots
+// that suit the groups of their class at the start posture.
 #pragma once
 
 #include <array>
@@ -40,7 +40,7 @@ class Together {
   void start(double* const (&state)[3]);
   [[nodiscard]] std::size_t coded_groups() const;
 
-  // Makes an attempt inside the branch, like Levels::solve(). False: something is unusual, or no pivots serve; the
+  // Makes an attempt inside the branch, like Levels::solve(). False if a test fails or pivots are too small; the
   // state then holds the prediction again, and the packs of the layout are unchanged.
   [[nodiscard]] bool solve(double* const (&state)[3], const Attempt& attempt, Counters& counters, StepErrors& errors);
 

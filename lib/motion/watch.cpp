@@ -47,7 +47,7 @@ double Watch::worst_ratio() {
 
 // Slopes are central differences, which are exact for quadratic equations.
 double Watch::violation(const double* q) {
-  constexpr double kStep = 0x1p-16;
+  constexpr double kStep = 0x1p-16;  // internal units; a power of 2, so that sums with it round little
   const auto phi = [&] {
     evaluator_->set_inputs(coefficients_.data(), inputs_.data());
     evaluator_->evaluate(nullptr, phi_.data(), nullptr);

@@ -335,7 +335,7 @@ std::size_t OutputProgram::roundings() const {
 }
 
 std::size_t OutputProgram::operations() const {
-  constexpr std::size_t kOfAngle = 150;
+  constexpr std::size_t kOfAngle = 150;  // an estimate: operations of an angle with two derivatives
   const auto angles = static_cast<std::size_t>(
       std::count_if(parts_.begin(), parts_.end(), [](const Part& p) { return p.is_signed_angle(); }));
   return 3 * (sum_terms_.size() + terms_.size()) + kOfAngle * angles;

@@ -184,7 +184,7 @@ Plan forced_plan(const GroupedSystem& s, const Strategy& wanted, const PrepareOp
 
 // Tries other formulations if they are cheap to try and may save time.
 std::vector<Formulation> formulations(const Scene& scene, const GroupedSystem& irreducible) {
-  constexpr std::int64_t kMostWeighed = 2000;
+  constexpr std::int64_t kMostWeighed = 2000;  // unknowns; a choice: analysing a larger scene twice takes long
   std::vector<Formulation> others;
   std::int64_t unknowns = 0;
   for (const SolvedGroup& g : irreducible.groups) unknowns += std::ssize(g.unknowns);

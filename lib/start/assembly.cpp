@@ -10,20 +10,19 @@
 
 namespace assur {
 namespace {
-constexpr Eigen::Index kDenseAssembly = 96;  // larger blocks are factored sparse
-constexpr int kAssemblySteps = 60;
-constexpr int kFitSteps = 400;
-constexpr double kWellDamped = 1e-3;  // internal units
+constexpr int kAssemblySteps = 60;    // the tests of structures take 12 at most, and 6 of kPolishSteps
+constexpr int kFitSteps = 400;        // a choice: contradictory equations can take as many as are allowed
+constexpr double kWellDamped = 1e-3;  // internal units; the squared condition is then at most 1e6
 constexpr double kLeastGain = 1e-4;   // of a step of least squares, as a part of the sum of squares
 constexpr int kPolishSteps = 10;
-constexpr double kStuck = 1e-8;  // relative residual; least squares that end above it found no posture
-constexpr double kNudge = 0.1;   // internal units: typical lengths are 1
+constexpr double kStuck = 1e-8;  // relative residual, a choice: least squares that end above it found no posture
+constexpr double kNudge = 0.1;   // internal units, a choice: typical lengths are 1
 
 // A direct solution with its condition and the sign of the determinant.
 class Linearization {
  public:
   explicit Linearization(const DenseBlock& block, const std::vector<double>& q) {
-    if (block.rows() <= kDenseAssembly) {
+    if (block.rows() <= kLargestDenseLu) {
       const Eigen::MatrixXd j = block.jacobian(q);
       // Rows are scaled to unit length, so that rank and condition do not depend on the units of an equation.
       scale_ = j.rowwise().norm().cwiseMax(std::numeric_limits<double>::min()).cwiseInverse();
@@ -76,7 +75,7 @@ void descend(const DenseBlock& block, std::span<const Index> unknowns, std::vect
     const Eigen::SparseMatrix<double> j = block.sparse_jacobian(q);
     const Eigen::VectorXd phi = block.residuals(q), x = gather(unknowns, q);
     const Eigen::VectorXd g = j.transpose() * phi;
-    const bool is_dense = block.columns() <= kDenseAssembly;
+    const bool is_dense = block.columns() <= kLargestDenseLu;
     bool improved = false;
     for (int attempt = 0; attempt < 40 && !improved; ++attempt) {
       // min |J p + phi|^2 + mu^2 |p|^2. J^T J squares the condition, so that it serves only well damped steps.
@@ -204,7 +203,7 @@ double fit(const System& s, std::span<const Index> equations, std::span<const In
   const DenseBlock block(s, equations, unknowns, column);
   descend(block, unknowns, q);
   const double reached = block.relative_residual(q);
-  if (reached <= kStuck || std::max(block.rows(), block.columns()) > kDenseAssembly) return reached;
+  if (reached <= kStuck || std::max(block.rows(), block.columns()) > kLargestDenseLu) return reached;
   const Eigen::VectorXd x = gather(unknowns, q);
   leave_saddle(block, unknowns, q);
   descend(block, unknowns, q);

@@ -9,7 +9,7 @@
 namespace assur {
 namespace {
 
-constexpr int kMostExchanges = 64;
+constexpr int kMostExchanges = 64;  // the tests of structures take one
 
 // Of the rows in `order` the first `rank` are independent. Exchanges rows until the other rows, as combinations of
 // these, have no coefficient above kMostCoefficient (Gu and Eisenstat's strong rank-revealing factorisation).

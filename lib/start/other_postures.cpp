@@ -11,30 +11,27 @@
 #include "decimal.hpp"
 #include "decompositions.hpp"
 #include "equations/dense_block.hpp"
+#include "equations/residual_scale.hpp"
 #include "graph/freedoms.hpp"
 #include "index.hpp"
 #include "numbers.hpp"
 #include "start/assembly.hpp"
+#include "start/rank.hpp"
 #include "start/redundant_sets.hpp"
 
 namespace assur {
 namespace {
-constexpr double kSolved = 1e-10;        // relative residual of equations that hold
 constexpr double kExact = 1e-12;         // rad or internal units: violation of an equation that holds
 constexpr double kRefused = 4e-12;       // the same, of a mechanism that is refused, near the origin
 constexpr double kRounded = 4 * kEps;    // the same, relative to the coordinates, far from it
 constexpr double kSmall = 1e-5;          // the same: larger violations show that equations restrict the drivers
 constexpr double kRounding = 32 * kEps;  // relative residual of an equation that holds up to rounding
-constexpr double kAround = 0.05;         // rad or internal units: displacement of drivers
 constexpr double kFarthest = 0.4;        // the same, in strides, for small errors of lengths
-constexpr int kTries = 3;                // random directions, and shorter displacements in each
-constexpr double kPathStride = 0.1;      // largest change of a driven coordinate between postures on the path
-constexpr int kOnPath = 7;               // steps of the grid that are examined
-constexpr int kStepsElsewhere = 20;
+constexpr int kTries = 3;                // random directions, and displacements in each; a choice
+constexpr double kPathStride = 0.1;      // largest change of a driven coordinate between postures on the path; a choice
+constexpr int kStepsElsewhere = 20;      // of Newton's method; a choice: a posture that takes more is not used
 constexpr double kNoLongerFalls = 1e-12;     // a residual that no longer falls is rounding
-constexpr double kDependent = 1e-7;          // pivots of rows of length 1; errors of postures are far smaller
-constexpr std::size_t kLargestDense = 600;   // rows or columns; dense decompositions of larger matrices take seconds
-constexpr std::size_t kMostRates = 1 << 24;  // numbers
+constexpr std::size_t kMostRates = 1 << 24;  // numbers: 128 MiB
 
 // A connected part of the system: equations that share unknowns or drivers.
 struct Part {
@@ -141,7 +138,7 @@ class Look {
   };
 
   bool solve(const std::vector<Index>& equations, std::vector<double>& q) {
-    return p_.unknowns.empty() || equations.empty() || fit(s_, equations, p_.unknowns, q, column_) <= kSolved;
+    return p_.unknowns.empty() || equations.empty() || fit(s_, equations, p_.unknowns, q, column_) <= kConsistent;
   }
 
   // Violation of an equation by more than rounding.
@@ -186,7 +183,7 @@ class Look {
     std::vector<double> q = start_, next;
     double t = time_;
     bool any = false;
-    for (int k = 1; k <= kOnPath && step > 0; ++k) {
+    for (int k = 1; k <= kStepsOnPath && step > 0; ++k) {
       const double target = time_ + k * step;
       double h = target - t;
       while (t != target) {
@@ -222,7 +219,7 @@ class Look {
         a = 2 * static_cast<double>(random()) / static_cast<double>(std::mt19937::max()) - 1;
         largest = std::max(largest, std::abs(a));
       }
-      for (double& a : amounts) a *= kAround / largest;
+      for (double& a : amounts) a *= kNearby / largest;
       for (int shorter = 0; shorter < kTries; ++shorter) {
         std::vector<double> q = start_;
         freedoms_.move(amounts, q);
@@ -240,7 +237,7 @@ class Look {
   // An error of a length of 1e-9 is visible only far from the start posture. A posture there may be on another branch,
   // so large violations do not count.
   void go_farther(std::vector<double> amounts, std::vector<double> q) {
-    for (double at = kAround; 2 * at <= kFarthest; at *= 2) {
+    for (double at = kNearby; 2 * at <= kFarthest; at *= 2) {
       const std::map<std::size_t, Seen> before = near_;
       freedoms_.move(amounts, q);
       if (!look_at(q, time_, near_) || !is_small(near_)) {
@@ -320,7 +317,7 @@ class Look {
 
   static Decomposition decompose(const Eigen::MatrixXd& j) {
     Decomposition d(j.rows(), j.cols());
-    d.setThreshold(kDependent);
+    d.setThreshold(kDependentRows);
     d.compute(j);
     return d;
   }
@@ -334,7 +331,7 @@ class Look {
       if (row.norm() == 0) continue;
       if (!all.empty()) {
         const Eigen::MatrixXd others = jacobian(all, start_).transpose();
-        if ((others * decompose(others).solve(row) - row).norm() <= kDependent * 10) continue;
+        if ((others * decompose(others).solve(row) - row).norm() <= kDependentRows * 10) continue;
       }
       all.push_back(e);
     }
@@ -362,7 +359,7 @@ class Look {
       if (!by.allFinite() || by.lpNorm<Eigen::Infinity>() > 1) return false;
       displace(by, q);
     }
-    return all.relative_residual(q) <= kSolved;
+    return all.relative_residual(q) <= kConsistent;
   }
 
   // Length of the equation's row in the Jacobian before scaling.
@@ -381,7 +378,7 @@ class Look {
   Mobility mobility() {
     const std::size_t columns = p_.unknowns.size() + freedoms_.count();
     Mobility out;
-    if (p_.equations.empty() || columns == 0 || std::max(p_.equations.size(), columns) > kLargestDense ||
+    if (p_.equations.empty() || columns == 0 || std::max(p_.equations.size(), columns) > kLargestDenseRank ||
         freedoms_.count() * s_.coordinates.size() > kMostRates) {
       // The kept equations are independent; restrictions of the drivers by dropped ones are not examined.
       out.at_start = out.generic =
@@ -407,7 +404,7 @@ class Look {
       }
       const Eigen::VectorXd by = basis * along;
       std::vector<double> q = start_;
-      displace(by * (4 * kAround / by.lpNorm<Eigen::Infinity>()), q);
+      displace(by * (4 * kNearby / by.lpNorm<Eigen::Infinity>()), q);
       // At a singular start, equations may be dependent that are independent elsewhere.
       std::vector<double> again = q;
       if (!settle(equations, q) && !settle(p_.equations, q = std::move(again))) continue;

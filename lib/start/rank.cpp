@@ -13,7 +13,8 @@
 
 namespace assur {
 namespace {
-constexpr Eigen::Index kLargestDenseRank = 400;  // rows or columns; larger matrices are factored sparse
+// Rows or columns. The sparse way takes over before kLargestDenseRank: its blocks may be as large as that.
+constexpr Eigen::Index kLargestWhole = 400;
 
 using Qr = RowQr;
 
@@ -82,12 +83,12 @@ RankStudy study_rank(const System& s, std::span<const Index> equations, std::spa
   const TimeGrid& grid = s.scene->time();
   std::vector<std::vector<double>> at = {q};
   std::vector<double> on_path = q;
-  for (int step = 1; step <= 7 && grid.step > 0 && laws_from; ++step) {
+  for (int step = 1; step <= kStepsOnPath && grid.step > 0 && laws_from; ++step) {
     if (!drive(s, *laws_from + step * grid.step, on_path.data(), nullptr, nullptr).ok()) break;
-    if (fit(s, equations, unknowns, on_path, column) > 1e-10) break;
-    if (step == 3 || step == 7) at.push_back(on_path);
+    if (fit(s, equations, unknowns, on_path, column) > kConsistent) break;
+    if (step == kStepsOnPath / 2 || step == kStepsOnPath) at.push_back(on_path);
   }
-  if (std::max(block.rows(), block.columns()) > kLargestDenseRank) {
+  if (std::max(block.rows(), block.columns()) > kLargestWhole) {
     study_sparse(s, equations, unknowns, block, at, out);
     return out;
   }

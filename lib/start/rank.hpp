@@ -10,6 +10,14 @@
 
 namespace assur {
 
+// Steps of the time grid that are examined behind the start. A choice: enough to leave a singular start.
+inline constexpr int kStepsOnPath = 7;
+// Displacement of drivers to other postures, rad or internal units. A choice: far above the errors of postures and far
+// below typical lengths, which are 1.
+inline constexpr double kNearby = 0.05;
+// Pivots of rows of length 1 below this count as 0. A choice: errors of postures, up to kConsistent, are far smaller.
+inline constexpr double kDependentRows = 1e-7;
+
 // The result of study_rank().
 struct RankStudy {
   std::vector<Index> kept;            // an independent subset of the equations

@@ -13,7 +13,7 @@ namespace assur {
 namespace {
 
 constexpr std::string_view kBody = "body ", kGround = "ground";
-constexpr std::size_t kMostNamed = 24;
+constexpr std::size_t kMostNamed = 24;  // a choice: a message of a few lines
 
 using Names = std::set<std::string>;
 

@@ -18,9 +18,8 @@
 namespace assur {
 namespace {
 
-constexpr double kNegligible = 1e-13;       // smaller remainders of a row of length 1 are rounding
-constexpr std::size_t kLargestBlock = 600;  // unknowns; the factors are dense
-constexpr int kMostRounds = 16;             // of exchanges
+constexpr double kNegligible = 1e-13;  // smaller remainders of a row of length 1 are rounding
+constexpr int kMostRounds = 16;        // of exchanges; the tests of structures take none
 
 using Columns = Eigen::SparseMatrix<double>;
 
@@ -114,7 +113,9 @@ class Combinations {
     for (const Eigen::Index r : kept) chosen.push_back(equations[static_cast<std::size_t>(r)]);
     const Blocks blocks = decompose(s, chosen, unknowns);
     is_usable_ = blocks.square();
-    for (Index b = 0; b < blocks.size(); ++b) is_usable_ = is_usable_ && blocks.unknowns_of(b).size() <= kLargestBlock;
+    for (Index b = 0; b < blocks.size(); ++b) {
+      is_usable_ = is_usable_ && blocks.unknowns_of(b).size() <= kLargestDenseRank;
+    }
     if (!is_usable_) return;
     std::vector<Index> row_of(s.equations.size(), -1), column_of(s.coordinates.size(), -1);
     for (std::size_t i = 0; i < equations.size(); ++i) row_of[idx(equations[i])] = static_cast<Index>(i);

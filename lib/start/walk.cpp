@@ -20,18 +20,16 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr Eigen::Index kDenseInverse = 96;  // unknowns; larger parts are factored sparse
-constexpr int kHagerRounds = 4;
+constexpr int kHagerRounds = 4;  // a choice: Hager's estimate usually ends after two
 constexpr int kForecast = 5000;  // steps after which a way is given up that would take four times as many as allowed
-constexpr double kLeastForecast = kForecast / (4.0 * kMostWalkedSteps);
+constexpr double kLeastForecast = kForecast / (4.0 * kMostWalkedSteps);  // share of the way after kForecast steps
 // rad or internal units; nearer to a singular posture, rounding decides
 constexpr double kShortest = 1e-10;
 constexpr double kDriverSlack = 1e-6;  // relative; a direction that has passed through zero is off by half a turn
 constexpr double kProbe = 1e-6;        // internal units: displacement that measures the curvature of a function
-constexpr double kMeasured = 2;        // margin of bounds that are measured
+constexpr double kMeasured = 2;        // margin of bounds that are measured; a choice
 constexpr double kOverChangePoint[] = {1e-3, 1e-2, 5e-2};  // rad or internal units: half of a step over a change point
-constexpr double kSureOfBranch = 1e-3;  // largest correction behind a change point over the distance to it
-constexpr double kInBall = 0.05;        // the same, times the curvature
+constexpr double kInBall = 0.05;                           // the same, times the curvature
 constexpr std::size_t kMostKept = 512, kLeastKept = 8, kKeptNumbers = 1 << 22;  // postures behind the current one
 
 // An inverse of the Jacobian of one part at one posture. If there are more equations than unknowns: of the normal
@@ -44,7 +42,7 @@ class Inverse {
     if (block.rows() < block.columns()) return;
     Eigen::SparseMatrix<double> curvature;
     if (!is_square && residuals != nullptr) curvature = block.weighted_curvature(*residuals);
-    if (block.columns() <= kDenseInverse) {
+    if (block.columns() <= kLargestDenseLu) {
       const MatrixXd j = block.jacobian(q);
       if (!j.allFinite()) return;
       if (is_square) {
@@ -532,7 +530,7 @@ class Walk : WalkRules {
       (void)test(p, next, next);
       if (!(correction * curvature_ <= kInBall)) return false;
     }
-    return corrected <= kSureOfBranch * moved && drivers_hold(next.q);
+    return corrected <= WalkRules::kSureOfBranch * moved && drivers_hold(next.q);
   }
 
   const System& s_;

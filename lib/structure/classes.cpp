@@ -8,7 +8,7 @@
 namespace assur {
 namespace {
 
-constexpr Index kAbsent = -2;
+constexpr Index kAbsent = -2;  // no index
 
 class Hash {
  public:

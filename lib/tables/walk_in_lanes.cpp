@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::int32_t kMostUnknowns = 24;  // of a part: the program has all columns of an inverse
 constexpr double kShortest = 0x1p-8;        // step; one mechanism alone takes steps of any length
-constexpr int kMostSteps = 100;
+constexpr int kMostSteps = 100;             // a choice: members that take more are led to their start alone
 
 // The Jacobian of a part at a posture, in the order of a pattern.
 std::vector<double> nonzeros(const System& s, const SolvedGroup& group, const Pattern& pattern,

@@ -17,22 +17,21 @@
 namespace assur {
 namespace {
 
-constexpr Eigen::Index kDenseReference = 96;
 // After a contracting correction this small, the error is below a millionth of the rounding of doubles.
 constexpr double kQuadConverged = 1e-22;
 constexpr double kConvergedCallback = 1e-10;  // callbacks compute doubles, so smaller residuals are rounding
 constexpr double kQuadHandover = 1e-9;        // correction at which Newton in double hands over to quad,
 constexpr double kStagnated = 1e-6;           // or at which rounding may end it in a badly conditioned block
 constexpr double kQuadContraction = 1.0 / 8;  // ratio of simplified Newton corrections: Kantorovich number <= 1/4
-constexpr int kMostCorrections = 24;
-constexpr int kQuadHalvings = 20;
+constexpr int kMostCorrections = 24;          // of Newton's method; at kQuadContraction they gain 21 digits
+constexpr int kQuadHalvings = 20;             // of a step, as in motions (Continuation::kStepHalvings)
 
 double infinity_norm(const Eigen::VectorXd& x) { return x.allFinite() ? x.lpNorm<Eigen::Infinity>() : HUGE_VAL; }
 
 }  // namespace
 
 void ReferenceLu::compute(const DenseBlock& block, const std::vector<double>& q) {
-  is_dense_ = block.rows() <= kDenseReference;
+  is_dense_ = block.rows() <= kLargestDenseLu;
   if (is_dense_) {
     dense_.compute(block.jacobian(q));
   } else {
