@@ -148,7 +148,9 @@ class ErrorEstimate {
  private:
   static constexpr std::size_t kRandom = 5;  // probes of one cause with random signs
   static constexpr double kClose = 16;       // (kConverged / residual of rounding) * growth of conditions
-  struct Size {                              // figures of an output, or of one of its derivatives
+  static constexpr double kGrownTwice = 2;   // growth of a condition or a residual that asks for a new measurement
+  static constexpr std::int64_t kStepsBetween = 512;  // steps between measurements; a choice: one costs as much as 25
+  struct Size {                                       // figures of an output, or of one of its derivatives
     double value = 0, error = 0;
     double gain = 0;  // error for a unit relative residual of any equation
   };
