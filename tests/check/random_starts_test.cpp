@@ -74,9 +74,9 @@ class Maker {
     return {make(false), make(true), std::move(written), std::move(change)};
   }
 
-  // A mechanism of a random family, without a driven pose; its laws begin where they would end. On the way of Bennett's
-  // linkage and of a delta robot with six rods, the equations that are redundant at the drawing become necessary, which
-  // ends the way: these families are left out.
+  // A mechanism of a random family, without a driven pose; its laws begin where they would end. Bennett's linkage and
+  // the delta robot with six rods are left out: the way of the first ends where other redundant equations would have to
+  // be chosen, which motions do and ways to the start do not; why that of the second ends was not looked for.
   Away of_a_family() {
     for (;;) {
       const mechanisms::RandomMechanism m = mechanisms::random_mechanism(random_());
