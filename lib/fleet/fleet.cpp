@@ -103,6 +103,7 @@ FleetReport Fleet::stream(const Sink& sink, std::span<const double> times, const
       throw;
     }
   });
+  if (!stopped) (void)wants_stop();  // all are done; nothing is left to stop
   FleetReport sum;
   for (const FleetReport& report : reports) merge(sum, report);
   sum.interrupted = stopped;

@@ -286,7 +286,7 @@ TEST(Fleet, RefusesWhatIsNotALinkage) {
   EXPECT_NE(refusal([&] { (void)fleet.stream(sink, std::vector<double>{0}, exact); }), "nothing was refused");
 }
 
-TEST(Fleet, ErrorsOfTheCallerPropagate) {
+TEST(Fleet, ErrorsOfTheCallerPropagateAndItsObserverStopsTheRun) {
   const std::vector<double> times = times_of(one_turn(10));
   struct Trouble {};
   FleetOptions two;
@@ -300,6 +300,15 @@ TEST(Fleet, ErrorsOfTheCallerPropagate) {
   const Fleet fleet(1000, random_into);
   const auto fail = [](std::size_t, const LinkageMotion&) { throw Trouble{}; };
   EXPECT_THROW((void)fleet.stream(fail, times, two), Trouble);
+  std::vector<std::int64_t> told;
+  two.observer = [&](std::int64_t done, std::int64_t of) {
+    EXPECT_EQ(of, 1000);
+    told.push_back(done);
+    return false;
+  };
+  EXPECT_FALSE(fleet.stream(ignore, times, two).interrupted);
+  EXPECT_TRUE(std::is_sorted(told.begin(), told.end()));
+  EXPECT_EQ(told.back(), 1000);
   two.observer = [](auto, auto) { return true; };
   const FleetReport report = fleet.stream(ignore, times, two);
   EXPECT_TRUE(report.interrupted);
