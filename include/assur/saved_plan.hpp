@@ -26,12 +26,11 @@ struct LoadOptions {
 
 // Reads a plan that save_plan() wrote. All sizes and indices are checked, so a file from strangers may be read. The
 // plan uses the same strategies; with the same version of assur on the same kind of processor the motion is the same
-// bit by bit. Some parts of Prepared are missing. Without `scene`, forward_error() and certify() refuse the plan.
-// Without `reselect`, redundant equations are not chosen anew: near their singularities the run passes a change point
-// with an event, or ends with a status. `structure` lacks the members that are only for people. Throws Error: input if
-// the text is not a saved plan, has another format version, is truncated or altered, or if the budget has no thread;
-// environment if `in` fails, or if a backend of the plan is not in the table, cannot run here, or needs more threads
-// (Q) than the budget has.
+// bit by bit. A loaded plan has no scene, so that forward_error() and certify() refuse it; redundant equations are not
+// chosen anew: near their singularities the run passes a change point with an event, or ends with a status; and
+// structure() lacks counts, notes and lists that are only for people. Throws Error: input if the text is not a saved
+// plan, has another format version, is truncated or altered, or if the budget has no thread; environment if `in` fails,
+// or if a backend of the plan is not in the table, cannot run here, or needs more threads (Q) than the budget has.
 [[nodiscard]] Prepared load_plan(std::istream& in, const LoadOptions& options = {});
 
 }  // namespace assur
