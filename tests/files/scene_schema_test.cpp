@@ -164,11 +164,13 @@ TEST_F(SchemaOfScenes, AcceptsTheShippedScenes) {
 // One scene with outputs, members of joints, and laws of all kinds.
 std::string scene_with(const std::string& from, const std::string& to) {
   std::string scene = R"({"assur": 1, "dimension": 3,
-    "points": {"A": {"at": [0, 0, 0], "fixed": true}},
+    "points": {"A": {"at": [0, 0, 0], "fixed": true}, "B": {"at": [0, 1, 0], "fixed": true}},
     "bodies": {"rod": {"points": {"P": {"at": [1, 0, 0]}}}},
     "joints": {"J": {"revolute": ["ground", "rod"], "at": "A", "axis": [0, 0, 1]}},
     "drivers": {"m": {"coordinate": "J.angle", "law": [{"constant": 1}, {"table": [[0, 0], [1, 2]], "monotone": true}]}},
-    "measures": {"tilt": {"angle": ["J.axis", ["A", "P"]]}},
+    "measures": {"tilt": {"angle": ["J.axis", ["A", "P"]]},
+                 "turn": {"angle": [["A", "B"], ["A", "P"]], "axis": "J.axis"},
+                 "same": {"angle": [["A", "B"], ["A", "P"]], "axis": [0, 0, 2]}},
     "outputs": ["P", "P.vx", "J.angle.rate", "J.axis", "rod", "rod.origin.velocity", "tilt.value"],
     "time": {"start": 0, "end": 1, "step": 0.1}})";
   const std::size_t at = scene.find(from);
