@@ -68,8 +68,8 @@ set(ASSUR_STANDARD_HEADERS
   <utility> <variant> <vector>)
 
 # assur_together(TARGET NAME files...): compiles these sources of TARGET as one file, so that templates are instantiated
-# once for all of them. Only for code that no step runs, because the compiler may optimise it differently. Two files of
-# a group cannot have helpers with the same name. CMAKE_UNITY_BUILD=OFF compiles each file alone.
+# once for all of them. Code that steps run may be optimised differently: measure it. Two files of a group
+# cannot have helpers with the same name. CMAKE_UNITY_BUILD=OFF compiles each file alone.
 function(assur_together target name)
   target_sources(${target} PRIVATE ${ARGN})
   set_source_files_properties(${ARGN} TARGET_DIRECTORY ${target} PROPERTIES UNITY_GROUP ${name})
