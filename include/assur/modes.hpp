@@ -26,7 +26,7 @@ struct AssemblyMode {
 
 // All modes of one group, at the start posture of the groups that it depends on.
 struct AssemblyModes {
-  std::string group;                  // name, as in Structure::groups of the formulation `groups`
+  std::string group;                  // name, as in Structure::groups() of the formulation `groups`
   std::vector<std::string> unknowns;  // names of scalars: "C.x", "slide.lambda"
   // The start posture first if `has_start`; the others ascend by the values of the unknowns. Mirror images of a body
   // that the equations of the scene allow are modes, too.

@@ -72,7 +72,7 @@ void write_npy(std::ostream& out, const Trajectory& trajectory, const NpyOptions
 
 // Accuracy of one group at a posture.
 struct GroupFigures {
-  std::int32_t group = 0;  // index into Structure::groups
+  std::int32_t group = 0;  // index into Structure::groups()
   double residual = 0;     // max over i of |Phi_i| / s_i with s_i = sum_j |dPhi_i/dq_j| |q_j| + |constant|
   // Factor by which the error of an unknown may exceed the residual: the maximum norm of |J^-1| s, relative to the
   // characteristic length.
@@ -234,7 +234,7 @@ class Simulator {
   // Index of a column in outputs(), for control loops. Throws like output().
   [[nodiscard]] std::size_t index(std::string_view column) const;
 
-  // Accuracy of every group at time(), in the order of Structure::groups. The report includes the findings. Allocates
+  // Accuracy of every group at time(), in the order of Structure::groups(). The report includes the findings. Allocates
   // memory and takes the time of 20 to 80 steps of a small mechanism.
   [[nodiscard]] std::vector<GroupFigures> examine();
 
@@ -244,7 +244,7 @@ class Simulator {
   [[nodiscard]] const OutputJacobian& jacobian();
 
   // The derivatives of the equations at the current posture: of all groups in solving order, which gives a block lower
-  // triangular matrix; or of one group (index into Structure::groups). Parts that are left out or stand still have no
+  // triangular matrix; or of one group (index into Structure::groups()). Parts that are left out or stand still have no
   // rows and columns (docs/method.md). Allocates memory. Throws Error (input) for a wrong index.
   [[nodiscard]] ConstraintJacobian constraint_jacobian() const;
   [[nodiscard]] ConstraintJacobian constraint_jacobian(std::int32_t group) const;

@@ -75,7 +75,7 @@ struct Place {
   enum class Kind : std::uint8_t {
     none,    // no particular object
     driver,  // of Scene::drivers
-    group,   // of Structure::groups
+    group,   // of Structure::groups()
     lane,    // of a linear solver, or of mechanisms that are solved side by side
     member,  // of an ensemble
     target,  // of Simulator::drivers(): a controlled driver, or one value of a controlled pose

@@ -29,7 +29,7 @@ struct Pack {
   std::int32_t group_class = 0;
   std::int32_t level = 0;
   std::int32_t used = 1;             // lanes that hold a group
-  std::vector<std::int32_t> groups;  // used: indices into Structure::groups
+  std::vector<std::int32_t> groups;  // used: indices into Structure::groups()
   std::size_t unknowns = 0;          // address of the first unknown in the state arrays
   std::vector<std::int32_t> inputs;  // inputs x W addresses in the state arrays
   std::vector<InputRow> input_rows;  // inputs: the same in short, if the addresses are regular

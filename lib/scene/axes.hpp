@@ -9,13 +9,13 @@
 
 namespace assur {
 
-// Name of the vector, after build(); "": none.
+// Name of the axis of an angle, after build(); "": it has none.
 template <class Angle>
 [[nodiscard]] const std::string& axis_of(const Angle& angle) {
   return std::get<std::string>(angle.axis);
 }
 
-// True for the axis of `name` that is made of coordinates.
+// True if build() made the axis of coordinates.
 [[nodiscard]] bool has_made_axis(const Driver& driver);
 [[nodiscard]] bool has_made_axis(const Measure& measure);
 

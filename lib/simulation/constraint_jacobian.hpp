@@ -9,7 +9,7 @@
 
 namespace assur {
 
-// groups: indices into Structure::groups, in solving order. posture: all coordinates, internal units.
+// groups: indices into Structure::groups(), in solving order. posture: all coordinates, internal units.
 [[nodiscard]] ConstraintJacobian constraint_jacobian(const GroupedSystem& structure,
                                                      std::span<const std::int32_t> groups,
                                                      std::span<const double> posture);

@@ -36,7 +36,7 @@ constexpr std::size_t kMostRates = 1 << 24;  // numbers: 128 MiB
 // A connected part of the system: equations that share unknowns or drivers.
 struct Part {
   std::vector<Index> equations, kept, unknowns, inputs;
-  std::vector<std::size_t> checks;  // indices into Structure::checks
+  std::vector<std::size_t> checks;  // indices into StartFindings::checks
 };
 
 class Union {

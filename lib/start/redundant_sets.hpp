@@ -31,7 +31,7 @@ struct RedundantSet {
   Redundancy worst;                                   // the dependence with the largest violation
 };
 
-// In the order of Structure::redundant.
+// In the order of Structure::redundant().
 [[nodiscard]] std::vector<RedundantSet> redundant_sets(const Scene& scene, const std::vector<Redundancy>& redundant);
 
 }  // namespace assur

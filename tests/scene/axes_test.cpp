@@ -59,7 +59,6 @@ TEST(Axes, WhatHasNoDirectionIsRefusedWithItsPlace) {
   EXPECT_NE(plane.find("leave \"axis\" out"), std::string::npos) << plane;
 }
 
-// The same name cannot be given to a vector.
 TEST(Axes, FilesTakeCoordinates) {
   const Scene scene = parse_scene(R"({"assur": 1, "dimension": 3,
     "points": {"O": {"at": [0, 0, 0], "fixed": true}, "A": {"at": [1, 0, 0]}},
