@@ -38,4 +38,9 @@ void wait_while(const std::atomic<std::uint32_t>& word, std::uint32_t old, Waiti
   while (!changed()) word.wait(old, std::memory_order_acquire);
 }
 
+void advance(std::atomic<std::uint32_t>& word) {
+  word.fetch_add(1, std::memory_order_acq_rel);
+  word.notify_all();
+}
+
 }  // namespace assur

@@ -18,10 +18,8 @@ enum class Waiting : std::uint8_t {
 // Returns when `word` is no longer `old`; acquires the writes before the change.
 void wait_while(const std::atomic<std::uint32_t>& word, std::uint32_t old, Waiting waiting = Waiting::shared);
 
-// Changes `word` and wakes the threads that wait for it; releases the writes before the change.
-inline void advance(std::atomic<std::uint32_t>& word) {
-  word.fetch_add(1, std::memory_order_acq_rel);
-  word.notify_all();
-}
+// Changes `word` and wakes the threads that wait for it; releases the writes before the change. Not inline: each shared
+// library would have its own list of waiting threads (std::atomic::notify_all), and would not wake those of another.
+void advance(std::atomic<std::uint32_t>& word);
 
 }  // namespace assur
