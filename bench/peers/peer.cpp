@@ -53,11 +53,11 @@ double error(const std::vector<Row>& found, const std::vector<Row>& reference, s
   return off / size;
 }
 
-void follow(const std::string& mechanism, const std::string& file, const Peers& peers) {
+void follow(const std::string& mechanism, const std::string& file, const PeerInfo& info) {
   const std::vector<Row> reference = read(file);
   const std::size_t colon = mechanism.find(':');
   const int loops = colon == std::string::npos ? 1 : std::stoi(mechanism.substr(colon + 1));
-  const auto peer = peers.make(mechanism.substr(0, colon), loops, reference.front());
+  const auto peer = info.make(mechanism.substr(0, colon), loops, reference.front());
   std::vector<Row> found = reference;  // has the sizes of the reference; its first row stays
   for (std::size_t k = 1; k < found.size(); ++k) {
     for (auto level : {&Row::position, &Row::velocity, &Row::acceleration}) {
@@ -69,22 +69,22 @@ void follow(const std::string& mechanism, const std::string& file, const Peers& 
   const double taken = processor_seconds() - begin;
 
   const std::size_t steps = found.size() - 1;
-  std::printf("%s,%s,%d,%zu,%.6g", peers.name, mechanism.c_str(), peers.levels, steps,
+  std::printf("%s,%s,%d,%zu,%.6g", info.name, mechanism.c_str(), info.levels, steps,
               taken / static_cast<double>(steps));
   int level = 0;
   for (auto values : {&Row::position, &Row::velocity, &Row::acceleration}) {
-    if (level++ < peers.levels) {
+    if (level++ < info.levels) {
       std::printf(",%.3g", error(found, reference, values));
     } else {
       std::printf(",");
     }
   }
-  std::printf(",%s\n", peers.comment);
+  std::printf(",%s\n", info.comment);
 }
 
 }  // namespace
 
-int run(int argc, char** argv, const Peers& peers) {
+int run(int argc, char** argv, const PeerInfo& info) {
   if (argc == 2 && std::strcmp(argv[1], "header") == 0) {
     std::puts("peer,mechanism,levels,steps,seconds_per_step,position_error,velocity_error,acceleration_error,comment");
     return 0;
@@ -94,10 +94,10 @@ int run(int argc, char** argv, const Peers& peers) {
     return 2;
   }
   try {
-    follow(argv[1], argv[2], peers);
+    follow(argv[1], argv[2], info);
     return 0;
   } catch (const std::exception& e) {
-    std::cerr << peers.name << ", " << argv[1] << ": " << e.what() << '\n';
+    std::cerr << info.name << ", " << argv[1] << ": " << e.what() << '\n';
     return 1;
   }
 }

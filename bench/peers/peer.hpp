@@ -21,7 +21,7 @@ class Peer {
   virtual void step(double t, Row& row) = 0;
 };
 
-struct Peers {
+struct PeerInfo {
   const char* name;     // "simbody 3.7"
   int levels;           // 1: position; 2: and velocity; 3: and acceleration
   const char* comment;  // settings of the peer
@@ -33,6 +33,6 @@ struct Peers {
 //   peer,mechanism,levels,steps,seconds_per_step,position_error,velocity_error,acceleration_error,comment
 // Times are processor times of all threads together. Errors are the maximum of |x - x_ref| over the steps, divided by
 // the maximum of |x_ref|; empty for quantities that are not computed.
-int run(int argc, char** argv, const Peers& peers);
+int run(int argc, char** argv, const PeerInfo& info);
 
 }  // namespace peers
