@@ -4,8 +4,8 @@
 #include <sys/file.h>
 #include <unistd.h>
 
-#include "db/contents.hpp"
-#include "db/places.hpp"
+#include "db/database_files.hpp"
+#include "db/reader.hpp"
 #include "db/time.hpp"
 
 namespace assur::db {

@@ -10,7 +10,7 @@
 
 #include "db/checksum.hpp"
 #include "db/connection.hpp"
-#include "db/contents.hpp"
+#include "db/reader.hpp"
 #include "dispatch/impossible.hpp"
 
 namespace assur::db {

@@ -4,9 +4,9 @@
 #include <span>
 
 #include "assur/performance.hpp"
+#include "db/database_files.hpp"
 #include "db/host.hpp"
 #include "db/libraries.hpp"
-#include "db/places.hpp"
 
 namespace assur::db {
 

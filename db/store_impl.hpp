@@ -4,7 +4,7 @@
 #include <map>
 
 #include "db/connection.hpp"
-#include "db/contents.hpp"
+#include "db/reader.hpp"
 #include "db/store.hpp"
 
 namespace assur::db {

@@ -7,7 +7,7 @@
 #include <map>
 #include <tuple>
 
-#include "db/contents.hpp"
+#include "db/reader.hpp"
 
 namespace assur::db {
 

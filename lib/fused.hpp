@@ -22,7 +22,8 @@ inline float fused_number(float a, float b, float c) { return std::fma(a, b, c);
 // c + a b, rounded once: the product in two parts (Dekker), and all parts but the largest rounded to odd before they
 // are added to it (Boldo and Melquiond, IEEE Transactions on Computers 57, 2008).
 inline double fused_number(double a, double b, double c) {
-  constexpr double kSplit = 0x1p27 + 1, kLarge = 0x1p900, kSmall = 0x1p-900;
+  constexpr double kSplit = 0x1p27 + 1;                  // halves the 53 bits
+  constexpr double kLarge = 0x1p900, kSmall = 0x1p-900;  // within these, no part overflows or underflows
   const double product = a * b, size = std::abs(product);
   if (a == 0 || b == 0) return product + c;
   const bool exact = std::abs(a) < kLarge && std::abs(b) < kLarge && std::abs(c) < kLarge && size < kLarge &&

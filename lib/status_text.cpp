@@ -27,14 +27,19 @@ std::string why_stopped(const Status& status, const std::vector<Event>& events, 
   return time_of(e) + place_of(e) + ": " + explained(status.code) + (e.detail.empty() ? "" : ": " + e.detail);
 }
 
-std::string place_of(const Event& e) {
-  if (e.group.empty()) return "";
-  if (e.kind == Code::actuator_zero) return ", driver " + e.group;
-  if (e.kind == Code::limit_reached || e.kind == Code::limit_exceeded || e.kind == Code::within_limits) {
-    return ", limit of " + e.group;
+std::string place_of(Code kind, const std::string& name) {
+  if (name.empty()) return "";
+  if (kind == Code::actuator_zero) return ", driver " + name;
+  if (kind == Code::limit_reached || kind == Code::limit_exceeded || kind == Code::within_limits) {
+    return ", limit of " + name;
   }
-  if (e.kind != Code::inconsistent) return ", group " + e.group;
-  return ", '" + e.group + "' off by " + general(e.figure, 6) + (e.unit.empty() ? "" : " " + e.unit);
+  return kind == Code::inconsistent ? ", '" + name + "'" : ", group " + name;
+}
+
+std::string place_of(const Event& e) {
+  std::string text = place_of(e.kind, e.group);
+  if (e.kind != Code::inconsistent || text.empty()) return text;
+  return text + " off by " + general(e.figure, 6) + (e.unit.empty() ? "" : " " + e.unit);
 }
 
 std::string time_of(const Event& event) {

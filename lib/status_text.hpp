@@ -16,7 +16,9 @@ namespace assur {
 
 // "t = 1.5 s", or "t = 1.5 ... 1.6 s" for a bracket
 [[nodiscard]] std::string time_of(const Event& event);
-// ", group G", ", driver D" or ", 'equation' off by 0.001 m"; "" if the event has none.
+// ", group G", ", driver D", ", limit of Q" or ", 'equation'"; "" if the object has no name.
+[[nodiscard]] std::string place_of(Code kind, const std::string& name);
+// The same of an event, with the figure of an equation: ", 'equation' off by 0.001 m".
 [[nodiscard]] std::string place_of(const Event& event);
 
 }  // namespace assur

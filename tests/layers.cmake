@@ -1,7 +1,8 @@
 # Checks the order of lib/ and of tuner/: each folder includes only itself and folders to its left, so that none of lib/
 # includes db/. Each public header is a layer of its own, to the left of the folder or file that implements it. The
 # sources of the core (CORE, relative to lib/) include, directly or indirectly, none of the libraries that the core must
-# not use. lib/CMakeLists.txt lists all sources. Fast paths name no features.
+# not use. The CMakeLists.txt of each part lists all its sources. Fast paths
+# name no features.
 cmake_minimum_required(VERSION 3.25)
 set(foreign "^#include [<\"](nlohmann|muParser|cs\\.h|btf\\.h|klu\\.h|umfpack|dmumps|suitesparse|SQLite|CLI|boost|tinyxml2|asmjit)")
 set(findings "")
@@ -29,8 +30,8 @@ check_order(${TUNER} measure mechanisms output sweep pictures check tuning repor
 
 set(lib_layers version.hpp status.hpp status.cpp machine.hpp parallel backend.hpp strategy.hpp strategy.cpp backends
   report.hpp report.cpp status_text.hpp status_text.cpp number.hpp law.hpp scene.hpp scene joints builder files samples
-  mjcf.hpp mjcf structure.hpp derivatives.hpp equations graph start structure evaluation program executors performance.hpp plan.hpp
-  saved_plan.hpp dispatch plan modes.hpp modes rows.hpp outputs drivers groups step_settings.hpp motion errors
+  mjcf.hpp mjcf structure.hpp equations graph start structure evaluation program executors performance.hpp plan.hpp
+  saved_plan.hpp derivatives.hpp dispatch plan modes.hpp modes rows.hpp outputs drivers groups step_settings.hpp motion errors
   jacobian.hpp simulator.hpp motion_range.hpp simulation ensemble.hpp runs tables verification curve.hpp fleet.hpp fleet
   print.hpp print.cpp eigen.hpp assur.hpp assur.h c db)
 check_order(${INCLUDE} ${lib_layers})
@@ -55,11 +56,35 @@ foreach(file IN LISTS ways)
   endforeach()
 endforeach()
 
-file(READ ${LIB}/CMakeLists.txt listed)
-foreach(file IN LISTS files)
-  if(file MATCHES "\\.cpp$" AND NOT listed MATCHES "[ \n(]${file}[ \n)]")
-    list(APPEND findings "lib/${file}: is not listed in lib/CMakeLists.txt")
+# Each shared library has its own list of threads that wait for an atomic number, so that waiting and waking must lie in
+# one library.
+file(GLOB_RECURSE waiting ${LIB}/*.?pp ${INCLUDE}/*.hpp ${TUNER}/*.?pp)
+list(FILTER waiting EXCLUDE REGEX "parallel/waiting\\.cpp$")
+foreach(file IN LISTS waiting)
+  file(STRINGS ${file} found REGEX "notify_(all|one)\\(|[a-z_]\\.wait\\(|std::(barrier|latch|counting_semaphore|binary_semaphore)")
+  if(found)
+    list(APPEND findings "${file}: waits or wakes beside lib/parallel/waiting.cpp: ${found}")
   endif()
+endforeach()
+
+foreach(part IN ITEMS lib tuner db python bench tests)
+  file(GLOB lists ${SOURCE}/${part}/CMakeLists.txt ${SOURCE}/${part}/peers/CMakeLists.txt)
+  set(listed "")
+  foreach(list IN LISTS lists)
+    file(READ ${list} text)
+    string(APPEND listed "${text}")
+  endforeach()
+  file(GLOB_RECURSE sources RELATIVE ${SOURCE}/${part} ${SOURCE}/${part}/*.cpp)
+  list(FILTER sources EXCLUDE REGEX "^(install|fuzz)/")  # programs of their own, fuzzers by target
+  foreach(file IN LISTS sources)
+    set(name ${file})
+    if(part MATCHES "bench|tests")  # paths there are relative to the folder of a program; some programs have one file
+      string(REGEX REPLACE "(.*/)?(.*)\\.cpp" "\\2(.cpp)?" name ${file})
+    endif()
+    if(NOT listed MATCHES "[ \n(/]${name}[ \n)]")
+      list(APPEND findings "${part}/${file}: is not listed in ${part}/CMakeLists.txt")
+    endif()
+  endforeach()
 endforeach()
 
 set(open ${CORE})

@@ -11,8 +11,8 @@
 #include <system_error>
 #include <vector>
 
+#include "commands/command_line.hpp"
 #include "commands/commands.hpp"
-#include "commands/options.hpp"
 #include "output/json.hpp"
 
 namespace {

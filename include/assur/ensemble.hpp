@@ -57,10 +57,11 @@ class EnsembleTrajectory {
 // One column of a member over the rows that it reached. SI units. All figures are NaN if there are no rows; `minimum`,
 // `maximum` and `mean` are NaN if a row is NaN.
 struct ColumnSummary {
-  double minimum = 0, maximum = 0;            // over the rows, not between them
-  double minimum_time = 0, maximum_time = 0;  // s: the first row with this value
-  double mean = 0;                            // of the rows, each with the same weight
-  double last = 0;                            // in the last row
+  static constexpr double kNoRows = std::numeric_limits<double>::quiet_NaN();
+  double minimum = kNoRows, maximum = kNoRows;            // over the rows, not between them
+  double minimum_time = kNoRows, maximum_time = kNoRows;  // s: the first row with this value
+  double mean = kNoRows;                                  // of the rows, each with the same weight
+  double last = kNoRows;                                  // in the last row
 
   [[nodiscard]] double range() const { return maximum - minimum; }
 };

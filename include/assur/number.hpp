@@ -18,7 +18,7 @@ class Tape;  // for use inside the library
 class Number {
  public:
   // An operation on numbers.
-  enum class Kind : std::uint8_t {
+  enum class Operation : std::uint8_t {
     add,
     subtract,
     multiply,
@@ -43,22 +43,24 @@ class Number {
   // True if it knows how it was computed from parameters.
   [[nodiscard]] bool has_origin() const { return origin_ != 0; }
 
-  Number& operator+=(const Number& b) { return *this = Number(value_ + b.value_, Kind::add, *this, b); }
-  Number& operator-=(const Number& b) { return *this = Number(value_ - b.value_, Kind::subtract, *this, b); }
-  Number& operator*=(const Number& b) { return *this = Number(value_ * b.value_, Kind::multiply, *this, b); }
-  Number& operator/=(const Number& b) { return *this = Number(value_ / b.value_, Kind::divide, *this, b); }
-  friend Number operator-(const Number& a) { return {-a.value_, Kind::negate, a, 0, 0}; }
+  Number& operator+=(const Number& b) { return *this = Number(value_ + b.value_, Operation::add, *this, b); }
+  Number& operator-=(const Number& b) { return *this = Number(value_ - b.value_, Operation::subtract, *this, b); }
+  Number& operator*=(const Number& b) { return *this = Number(value_ * b.value_, Operation::multiply, *this, b); }
+  Number& operator/=(const Number& b) { return *this = Number(value_ / b.value_, Operation::divide, *this, b); }
+  friend Number operator-(const Number& a) { return {-a.value_, Operation::negate, a, 0, 0}; }
   friend Number operator+(const Number& a) { return a; }
 
-  friend Number sqrt(const Number& a) { return {std::sqrt(a.value_), Kind::root, a, 0, 0}; }
-  friend Number abs(const Number& a) { return {std::abs(a.value_), Kind::magnitude, a, 0, 0}; }
+  friend Number sqrt(const Number& a) { return {std::sqrt(a.value_), Operation::root, a, 0, 0}; }
+  friend Number abs(const Number& a) { return {std::abs(a.value_), Operation::magnitude, a, 0, 0}; }
   friend Number fma(const Number& a, const Number& b, const Number& c) {
-    return {std::fma(a.value_, b.value_, c.value_), Kind::fused, a, b, c};
+    return {std::fma(a.value_, b.value_, c.value_), Operation::fused, a, b, c};
   }
   friend Number hypot(const Number& a, const Number& b, const Number& c) {
-    return {std::hypot(a.value_, b.value_, c.value_), Kind::length, a, b, c};
+    return {std::hypot(a.value_, b.value_, c.value_), Operation::length, a, b, c};
   }
-  friend Number atan2(const Number& y, const Number& x) { return {std::atan2(y.value_, x.value_), Kind::angle, y, x}; }
+  friend Number atan2(const Number& y, const Number& x) {
+    return {std::atan2(y.value_, x.value_), Operation::angle, y, x};
+  }
   friend Number ldexp(const Number& a, int exponent) {
     return a.origin_ != 0 ? Number(a) *= std::ldexp(1.0, exponent) : Number(std::ldexp(a.value_, exponent));
   }
@@ -72,14 +74,14 @@ class Number {
  private:
   friend class Tape;
   Number(double value, std::uint64_t origin) : value_(value), origin_(origin) {}
-  Number(double value, Kind kind, const Number& a, const Number& b, const Number& c = 0) : value_(value) {
-    if ((a.origin_ | b.origin_ | c.origin_) != 0) origin_ = record(kind, a, b, c);
+  Number(double value, Operation op, const Number& a, const Number& b, const Number& c = 0) : value_(value) {
+    if ((a.origin_ | b.origin_ | c.origin_) != 0) origin_ = record(op, a, b, c);
   }
   static bool compared(const Number& a, const Number& b, bool is_less, bool outcome) {
     if ((a.origin_ | b.origin_) != 0) note(a, b, is_less, outcome);
     return outcome;
   }
-  static std::uint64_t record(Kind kind, const Number& a, const Number& b, const Number& c);
+  static std::uint64_t record(Operation op, const Number& a, const Number& b, const Number& c);
   static void note(const Number& a, const Number& b, bool is_less, bool outcome);
   void lose() const;
 

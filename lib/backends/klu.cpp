@@ -43,7 +43,7 @@ constexpr double kPartial = 1;         // partial pivoting
 constexpr double kTrustedGrowth = 64;  // backward errors measured up to a growth of 300: at most 5 n eps
 // Largest entry of a row times its scale; at first it is in [1/2, 1).
 constexpr double kSmallestRow = 0.25;
-constexpr double kLargestRow = 2;
+constexpr double kLargestRow = 2;  // beyond these, scales are computed anew
 
 struct FreeSymbolic {
   klu_common* common;

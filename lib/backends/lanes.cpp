@@ -31,8 +31,8 @@ namespace assur::lanes {
 namespace {
 
 constexpr std::int64_t kRecent = 8;  // factorisations: if two within this number are redone, new pivots are due
-constexpr std::int64_t kMostPatience = 4096;  // largest number of factorisations between two renewals
-constexpr std::int32_t kMostNonzeros = 90'000;
+constexpr std::int64_t kMostPatience = 4096;    // largest number of factorisations between two renewals
+constexpr std::int32_t kMostNonzeros = 90'000;  // a choice: those of a full matrix of 300 unknowns
 
 class LanesSolver final : public LinearSolver {
  public:

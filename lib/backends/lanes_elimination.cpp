@@ -14,10 +14,10 @@ using Number = Elimination::Number;
 
 // The permuted matrix and its factors by rows; positions count pivots.
 struct Factors {
-  struct Entry {
+  struct Nonzero {
     Number column, source;
   };
-  std::pmr::vector<std::pmr::vector<Entry>> a;
+  std::pmr::vector<std::pmr::vector<Nonzero>> a;
   std::pmr::vector<std::pmr::vector<Number>> l, u;  // columns left and right of the diagonal, ascending
 
   Factors(std::size_t n, std::pmr::memory_resource* memory) : a(n, memory), l(n, memory), u(n, memory) {}
@@ -96,15 +96,15 @@ std::pmr::vector<Number> last_need(const Factors& f, std::span<const std::int32_
   return need;
 }
 
-// Elimination objects that choose_pivots() tries while others are held: the present one, the best, the next, and that of
-// the program of a step.
+// Elimination objects that choose_pivots() tries while others are held: the present one, the best, the next, and that
+// of the program of a step.
 constexpr std::size_t kTried = 4;
 
 // Temporary memory for n unknowns: full rows with their values, three times the positions of their entries, and the
 // products of an entry; with room for the objects that hold them.
 std::size_t bytes_for(std::size_t n, std::size_t lanes) {
   const std::size_t of_order = n * (n + 1) * (sizeof(double) * lanes + 2 * sizeof(Number));
-  const std::size_t of_list = n * n * (2 * (sizeof(Factors::Entry) + 2 * sizeof(Number)) + 2 * sizeof(Number));
+  const std::size_t of_list = n * n * (2 * (sizeof(Factors::Nonzero) + 2 * sizeof(Number)) + 2 * sizeof(Number));
   return of_order + of_list + (n + 1) * 1024 + lanes * sizeof(double);
 }
 

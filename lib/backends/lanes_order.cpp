@@ -55,8 +55,8 @@ class Elimination {
   Order run();
 
  private:
-  struct Row {
-    explicit Row(std::pmr::memory_resource* memory) : column(memory), value(memory), largest(memory) {}
+  struct LaneRow {
+    explicit LaneRow(std::pmr::memory_resource* memory) : column(memory), value(memory), largest(memory) {}
 
     std::pmr::vector<Index> column;
     std::pmr::vector<double> value;    // entries x lanes
@@ -86,7 +86,7 @@ class Elimination {
   std::uint32_t served_;
   std::int64_t products_ = 0;
   std::pmr::memory_resource* memory_;
-  std::pmr::vector<Row> rows_;
+  std::pmr::vector<LaneRow> rows_;
   std::pmr::vector<std::pmr::vector<Index>> columns_;  // rows of each column
   Buckets by_row_, by_column_;
   std::pmr::vector<Index> place_;                     // n: index of a column's entry in the current row, or -1
@@ -116,14 +116,14 @@ Elimination::Elimination(const Pattern& pattern, std::span<const double> values,
     const auto most = [&](std::size_t count) {  // twice as many are usually enough for the fill
       return n_ <= kMostReserved ? idx(n_) : std::min(2 * count, idx(n_));
     };
-    Row& row = rows_.emplace_back(memory);
+    LaneRow& row = rows_.emplace_back(memory);
     row.column.reserve(most(entries[idx(i)]));
     row.value.reserve(most(entries[idx(i)]) * lanes_);
     columns_[idx(i)].reserve(most(idx(pattern.column_start[idx(i) + 1] - pattern.column_start[idx(i)])));
   }
   for (Index j = 0; j < n_; ++j) {
     for (Index k = pattern.column_start[idx(j)]; k < pattern.column_start[idx(j) + 1]; ++k) {
-      Row& row = rows_[idx(pattern.row[idx(k)])];
+      LaneRow& row = rows_[idx(pattern.row[idx(k)])];
       row.column.push_back(j);
       const auto first = values.begin() + static_cast<std::ptrdiff_t>(idx(k) * lanes_);
       row.value.insert(row.value.end(), first, first + lanes);
@@ -138,7 +138,7 @@ Elimination::Elimination(const Pattern& pattern, std::span<const double> values,
 }
 
 void Elimination::measure(Index i) {
-  Row& row = rows_[idx(i)];
+  LaneRow& row = rows_[idx(i)];
   row.largest.assign(lanes_, 0.0);
   for (std::size_t k = 0; k < row.value.size(); k += lanes_) {
     for (std::size_t l = 0; l < lanes_; ++l) row.largest[l] = std::max(row.largest[l], std::abs(row.value[k + l]));
@@ -173,7 +173,7 @@ bool Elimination::largest_of_column(Index column, int lane, double size) const {
 }
 
 Elimination::Candidate Elimination::candidate(Index i, Index entry) const {
-  const Row& row = rows_[idx(i)];
+  const LaneRow& row = rows_[idx(i)];
   const Index column = row.column[idx(entry)];
   Candidate c{.row = i, .entry = entry};
   c.level = std::max(row_level_[idx(i)], column_level_[idx(column)]);
@@ -222,7 +222,7 @@ Elimination::Candidate Elimination::search() const {
 }
 
 // The entry that is largest in its worst lane. If it is too small there: the entry that serves most lanes, and the
-// cheapest of these. Row -1 if there is none.
+// cheapest of these. LaneRow -1 if there is none.
 Elimination::Candidate Elimination::compromise() const {
   Candidate largest, most;
   for (Index i = 0; i < n_; ++i) {
@@ -239,7 +239,7 @@ Elimination::Candidate Elimination::compromise() const {
 }
 
 void Elimination::eliminate(const Candidate& pivot) {
-  const Row& row = rows_[idx(pivot.row)];
+  const LaneRow& row = rows_[idx(pivot.row)];
   const Index column = row.column[idx(pivot.entry)];
   products_ += pivot.cost;
   if (products_ > kMostProducts) {
@@ -261,13 +261,13 @@ void Elimination::eliminate(const Candidate& pivot) {
   for (Index j : row.column) {
     if (j != column) by_column_.put(j, static_cast<Index>(columns_[idx(j)].size()));
   }
-  rows_[idx(pivot.row)] = Row(memory_);
+  rows_[idx(pivot.row)] = LaneRow(memory_);
 }
 
 // Divides, while the factorisation multiplies by a reciprocal, so that equal rows cancel to an exact zero.
 void Elimination::subtract(Index i, Index pivot_row, Index pivot_entry) {
-  Row& row = rows_[idx(i)];
-  const Row& pivot = rows_[idx(pivot_row)];
+  LaneRow& row = rows_[idx(i)];
+  const LaneRow& pivot = rows_[idx(pivot_row)];
   const auto own = idx(find(i, pivot.column[idx(pivot_entry)])), last = row.column.size() - 1;
   for (std::size_t l = 0; l < lanes_; ++l) {
     ratio_[l] = row.value[own * lanes_ + l] / pivot.value[idx(pivot_entry) * lanes_ + l];

@@ -22,7 +22,7 @@ constexpr double kRounded = 4 * kEps;
 // Lengths farther than this from 1 are likely typing errors, and are reported.
 constexpr double kNearlyUnit = 1e-6;
 
-constexpr std::size_t kMostVectorsNamed = 6;
+constexpr std::size_t kMostVectorsNamed = 6;  // in one note
 
 struct Normalised {
   std::string name, where;
@@ -37,7 +37,7 @@ void normalise(const std::string& name, Triple& at, const Where& where, std::vec
 }
 
 // Writes one note for all vectors.
-void tell(const std::vector<Normalised>& all, std::vector<Diagnostic>& warnings) {
+void note_normalised(const std::vector<Normalised>& all, std::vector<Diagnostic>& warnings) {
   if (all.empty()) return;
   if (all.size() == 1) {
     warnings.push_back({all[0].where, "the vector has length " + general(all[0].length, 6) + " and is normalised"});
@@ -279,7 +279,7 @@ Scene SceneBuilder::finish() {
   }
   expand_all(scene, scene.outputs_);
   scene.written_outputs_ = scene.outputs_.empty() ? scene.outputs_ : std::move(written_outputs);
-  tell(normalised, parts->warnings);
+  note_normalised(normalised, parts->warnings);
   return scene;
 }
 

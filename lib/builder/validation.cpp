@@ -1,4 +1,4 @@
-#include "builder/validation_rows.hpp"
+#include "builder/validation_vocabulary.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -28,7 +28,7 @@ std::size_t rank_of_section(const std::string& pointer) {
 
 std::span<const std::string_view> auxiliaries(const Constraint& constraint) {
   return constraint.visit([]<class Kind>(const Kind&) -> std::span<const std::string_view> {
-    const auto& names = rows::row_of<Kind>().unknowns;
+    const auto& names = vocabulary::row_of<Kind>().unknowns;
     return {names.begin(), std::find(names.begin(), names.end(), "")};
   });
 }
@@ -143,7 +143,7 @@ Validation::Involved Validation::direction(const Direction& direction, const Whe
   const Involved from = point(direction.first, where / std::size_t{0});
   const Involved to = point(direction.second, where / std::size_t{1});
   if (direction.first == direction.second) {
-    report(where, filled(rows::kNoDirection, in_quotes(direction.first)));
+    report(where, filled(vocabulary::kNoDirection, in_quotes(direction.first)));
     return {};
   }
   return pair(from, to, direction, where);

@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "assur/scene.hpp"
-#include "scene/kinds.hpp"
 #include "scene/names.hpp"
 #include "scene/symbols.hpp"
+#include "scene/vocabulary.hpp"
 
 namespace assur {
 
@@ -72,32 +72,32 @@ class Validation {
                     bool names_all = false);
   bool finite(const Number& number, const Where& where);
 
-  // rows of kinds.hpp: names, numbers and laws, and the objects that they refer to (validation_rows.hpp). False if an
-  // entry of a list equals the entry before it; the rule of the kind is then skipped.
+  // rows of vocabulary.hpp: names, numbers and laws, and the objects that they refer to (validation_vocabulary.hpp). False
+  // if an entry of a list equals the entry before it; the rule of the kind is then skipped.
   template <class Kind>
   bool check_row(const Kind& kind, const Where& where);
   template <class Kind, class... Entries>
-  bool check_content(const Kind& kind, const rows::List<Entries...>& list, const Where& where);
+  bool check_content(const Kind& kind, const vocabulary::List<Entries...>& list, const Where& where);
   template <class Kind, class Value>
-  bool check_content(const Kind& kind, const rows::Slot<Kind, Value>& slot, const Where& where) {
+  bool check_content(const Kind& kind, const vocabulary::Slot<Kind, Value>& slot, const Where& where) {
     check_value(kind.*slot.member, slot.about, where);
     return true;
   }
   template <class Kind>
-  bool check_content(const Kind&, const rows::Refused&, const Where&) {
+  bool check_content(const Kind&, const vocabulary::Refused&, const Where&) {
     return true;
   }
-  void check_value(const std::string& name, const rows::About& about, const Where& where);
-  void check_value(const Anchor&, const rows::About&, const Where&) {}  // the rules of the kinds look at axes
-  void check_value(const Direction& way, const rows::About& about, const Where& where);
-  void check_value(const Number& number, const rows::About& about, const Where& where);
-  void check_value(const std::optional<Number>& number, const rows::About& about, const Where& where);
-  void check_value(const Triple& numbers, const rows::About& about, const Where& where);
-  void check_value(const std::vector<std::pair<std::string, Number>>& terms, const rows::About& about,
+  void check_value(const std::string& name, const vocabulary::About& about, const Where& where);
+  void check_value(const Anchor&, const vocabulary::About&, const Where&) {}  // the rules of the kinds look at axes
+  void check_value(const Direction& way, const vocabulary::About& about, const Where& where);
+  void check_value(const Number& number, const vocabulary::About& about, const Where& where);
+  void check_value(const std::optional<Number>& number, const vocabulary::About& about, const Where& where);
+  void check_value(const Triple& numbers, const vocabulary::About& about, const Where& where);
+  void check_value(const std::vector<std::pair<std::string, Number>>& terms, const vocabulary::About& about,
                    const Where& where);
-  void check_value(const Law& law, const rows::About& about, const Where& where);
-  void check_value(const std::vector<Law>& laws, const rows::About& about, const Where& where);
-  bool check_differ(const rows::About& about, const Where& where);
+  void check_value(const Law& law, const vocabulary::About& about, const Where& where);
+  void check_value(const std::vector<Law>& laws, const vocabulary::About& about, const Where& where);
+  bool check_differ(const vocabulary::About& about, const Where& where);
   bool all_fixed() const;
 
   // points, vectors, time (validation.cpp)
@@ -161,7 +161,7 @@ class Validation {
   [[nodiscard]] int auxiliary(const Symbol& symbol, const std::string& name) const;
 
   const Scene& scene_;
-  Known known_;
+  FindingsByPlace known_;
   Symbols symbols_;
   std::vector<Diagnostic> found_;
   std::vector<std::size_t> body_order_;

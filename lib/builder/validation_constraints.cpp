@@ -1,7 +1,7 @@
 #include <cmath>
 #include <unordered_set>
 
-#include "builder/validation_rows.hpp"
+#include "builder/validation_vocabulary.hpp"
 #include "scene/triple.hpp"
 
 namespace assur {
@@ -24,7 +24,7 @@ void Validation::check_constraints() {
 
 template <class Kind>
 void Validation::check(const Kind& kind, const Where& where) {
-  constexpr const auto& row = rows::row_of<Kind>();
+  constexpr const auto& row = vocabulary::row_of<Kind>();
   const Where own = where / row.name();
   if (dimension() == 2 && !row.not_in_the_plane.empty()) {
     report(own, std::string(row.not_in_the_plane));

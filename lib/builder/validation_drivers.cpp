@@ -2,7 +2,7 @@
 #include <cmath>
 #include <utility>
 
-#include "builder/validation_rows.hpp"
+#include "builder/validation_vocabulary.hpp"
 #include "scene/axes.hpp"
 #include "scene/law_sum.hpp"
 #include "scene/triple.hpp"
@@ -42,7 +42,7 @@ void Validation::check_drivers() {
         [&]<class Kind>(const Kind& kind) {
           if (!check_row(kind, where)) return;
           if (all_fixed()) {
-            report(where / rows::row_of<Kind>().name(),
+            report(where / vocabulary::row_of<Kind>().name(),
                    "everything here is fixed, so nothing can be driven; drive something that moves");
           }
           rule(kind, driver, where);

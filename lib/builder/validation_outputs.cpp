@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "assur/number.hpp"
-#include "builder/validation_rows.hpp"
+#include "builder/validation_vocabulary.hpp"
 #include "joints/joints.hpp"
 #include "scene/asked_part.hpp"
 #include "scene/axes.hpp"

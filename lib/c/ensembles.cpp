@@ -11,7 +11,7 @@ using assur::c::give;
 
 namespace {
 
-constexpr std::size_t kRowsInBlock = 64;
+constexpr std::size_t kRowsInBlock = 64;  // that are copied to the caller at once
 
 // Names of the columns that the caller wants; NULL: all.
 std::vector<std::string> names_of(const std::vector<std::string>& all, const std::size_t* columns, std::size_t count) {

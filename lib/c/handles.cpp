@@ -132,11 +132,11 @@ std::int32_t assur_abi(void) { return ASSUR_ABI; }
 const char* assur_version(void) { return ASSUR_VERSION; }
 
 const char* assur_code_name(std::int32_t code) {
-  const bool known = code >= ASSUR_OK && code <= ASSUR_NEAR_SINGULAR;
+  const bool known = code >= 0 && code <= UINT8_MAX;
   return known ? assur::name(static_cast<assur::Code>(code)).data() : "unknown";
 }
 const char* assur_code_explanation(std::int32_t code) {
-  const bool known = code >= ASSUR_OK && code <= ASSUR_NEAR_SINGULAR;
+  const bool known = code >= 0 && code <= UINT8_MAX;
   return known ? assur::explanation(static_cast<assur::Code>(code)).data() : "unknown";
 }
 std::int32_t assur_arrived(std::int32_t code) { return code == ASSUR_OK || code == ASSUR_INACCURATE ? 1 : 0; }

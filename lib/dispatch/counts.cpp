@@ -10,7 +10,7 @@
 namespace assur {
 namespace {
 
-constexpr std::int32_t kMostPerRow = 24;
+constexpr std::int32_t kMostPerRow = 24;  // entries in a row, on average: factors of more are full
 
 // FNV-1a over the numbers of a pattern.
 std::uint64_t hash_of(const Pattern& pattern) {

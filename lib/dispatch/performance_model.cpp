@@ -9,9 +9,9 @@
 
 #include "assur/performance.hpp"
 #include "assur/status.hpp"
-#include "dispatch/curve.hpp"
 #include "dispatch/impossible.hpp"
 #include "dispatch/prior.hpp"
+#include "dispatch/time_fit.hpp"
 #include "median.hpp"
 
 namespace assur {
@@ -106,7 +106,7 @@ struct Cell {  // samples of one cell measure the same work
 };
 
 // Figures of a cell.
-struct Known {
+struct MeasuredCell {
   Cell cell{};
   double seconds = 0;
   float noise = 0, backward_error = 0;
@@ -114,10 +114,10 @@ struct Known {
   [[nodiscard]] Prediction prediction() const {
     return {seconds, std::exp(std::max<double>(noise, 0.02)), Origin::measured};
   }
-  friend bool operator<(const Known& a, const Cell& b) { return a.cell < b; }
+  friend bool operator<(const MeasuredCell& a, const Cell& b) { return a.cell < b; }
 };
 
-// The figures of a cell with one of its samples, for fitting curves.
+// The figures of a cell with one of its samples, for fitting.
 struct Gathered {
   Cell cell;
   const Sample* example;
@@ -126,7 +126,7 @@ struct Gathered {
   friend bool operator<(const Gathered& a, const Cell& b) { return a.cell < b; }
 };
 using Cells = std::vector<Gathered>;  // ascending
-using Curves = std::map<std::int32_t, Curve>;
+using TimeFits = std::map<std::int32_t, TimeFit>;
 
 double positive_log(double x) { return std::log(std::max(x, 1.0)); }
 
@@ -332,11 +332,11 @@ struct PerformanceModel::Impl {
     return gathered;
   }
 
-  // Fits one curve for each variant of a kernel; point(g): the place of a measurement.
+  // Fits one sum for each variant of a kernel; point(g): the place of a measurement.
   template <class Point>
-  static Curves curves_of(Kernel kernel, const Cells& cells, const Point& point) {
-    Curves curves;
-    std::vector<Curve::Measured> measured;
+  static TimeFits fits_of(Kernel kernel, const Cells& cells, const Point& point) {
+    TimeFits fits;
+    std::vector<TimeFit::Measured> measured;
     const Cell first{kernel, 0, 0};
     auto g = std::lower_bound(cells.begin(), cells.end(), first);
     while (g != cells.end() && g->cell.kernel == kernel) {
@@ -345,16 +345,16 @@ struct PerformanceModel::Impl {
       for (; g != cells.end() && g->cell.kernel == kernel && g->cell.variant == variant; ++g) {
         measured.push_back({point(*g), g->seconds, g->noise});
       }
-      curves.emplace_hint(curves.end(), variant, Curve(measured));
+      fits.emplace_hint(fits.end(), variant, TimeFit(measured));
     }
-    return curves;
+    return fits;
   }
 
   void fit(Kernel kernel, const Cells& cells) {
     std::vector<double> ratios;
     ratios.reserve(cells.size());
     const auto k = static_cast<std::size_t>(kernel);
-    curve[k] = curves_of(kernel, cells, [&](const Gathered& g) {
+    fit_of[k] = fits_of(kernel, cells, [&](const Gathered& g) {
       const Sample& s = *g.example;
       ratios.push_back(g.seconds / prior_seconds(kernel, s.shape, s.strategy));
       return point_of(kernel, s.shape, s.strategy);
@@ -378,7 +378,7 @@ struct PerformanceModel::Impl {
       const Gathered*& best = quickest[{s.solver.lanes, pattern, terms, groups}];
       if (best == nullptr || g.seconds < best->seconds) best = &g;
     }
-    std::map<std::int32_t, std::vector<Curve::Measured>> points;
+    std::map<std::int32_t, std::vector<TimeFit::Measured>> points;
     for (const auto& [place, g] : quickest) {
       const auto& [shape, strategy] = std::tie(g->example->shape, g->example->strategy);
       const Prediction parts = kernels_of_pack(kernels.of(*g), strategy);
@@ -386,12 +386,12 @@ struct PerformanceModel::Impl {
       if (parts.origin == Origin::prior || rest_of_it < 0.05 * g->seconds) continue;  // else it is only noise
       points[strategy.solver.lanes].push_back({point_of(Kernel::pack, shape, strategy), rest_of_it, g->noise});
     }
-    for (auto& [lanes, measured] : points) rest.emplace(lanes, Curve(measured));
+    for (auto& [lanes, measured] : points) rest.emplace(lanes, TimeFit(measured));
   }
 
   // Fits the time of whole packs beyond the sum of their parts.
   void fit_packs(const Cells& cells, KernelsOfShapes& kernels) {
-    packs = curves_of(Kernel::pack, cells, [&](const Gathered& g) {
+    packs = fits_of(Kernel::pack, cells, [&](const Gathered& g) {
       const auto& [shape, strategy] = std::tie(g.example->shape, g.example->strategy);
       return pack_point(shape, strategy, composed(kernels.of(g), strategy).seconds);
     });
@@ -400,7 +400,7 @@ struct PerformanceModel::Impl {
   // Fits the ratio to the prior, because mechanisms are too few to separate its terms. Differences of times scatter
   // more than times do; nearby measurements are still better than the fit.
   void fit_around(const Cells& cells) {
-    std::vector<Curve::Measured> points;
+    std::vector<TimeFit::Measured> points;
     for (const Gathered& g : cells) {
       if (g.cell.kernel != Kernel::around) continue;
       const KernelShape& shape = shape_at(g.cell);
@@ -444,7 +444,7 @@ struct PerformanceModel::Impl {
     return {(prior_seconds(Kernel::pack, shape, s) - of_kernels) * speed_of_all(), 2, Origin::prior};
   }
 
-  // Uses the curve of this W, or else of the nearest W. At least one exists.
+  // Uses the fit of this W, or else of the nearest W. At least one exists.
   [[nodiscard]] Prediction measured_rest(const Shape& shape, const Strategy& s) const {
     const FitPoint point = point_of(Kernel::pack, shape, s);
     if (const auto found = rest.find(s.solver.lanes); found != rest.end()) return found->second.at(point);
@@ -469,7 +469,7 @@ struct PerformanceModel::Impl {
     return found == numbers.end() ? -1 : found->second;
   }
 
-  [[nodiscard]] const Known* exactly(Kernel kernel, const Shape& shape, std::int32_t variant) const {
+  [[nodiscard]] const MeasuredCell* exactly(Kernel kernel, const Shape& shape, std::int32_t variant) const {
     if (shape.pattern == 0 || variant < 0) return nullptr;
     const KernelShape wanted = kernel_shape(kernel, shape);
     const auto at = std::lower_bound(shapes.begin(), shapes.end(), wanted);
@@ -482,8 +482,8 @@ struct PerformanceModel::Impl {
   [[nodiscard]] Prediction predict(Kernel kernel, const Shape& shape, const Strategy& strategy) const {
     const Variant wanted = variant_of(kernel, strategy, names);
     const std::int32_t variant = number_of(wanted);
-    if (const Known* k = exactly(kernel, shape, variant)) return k->prediction();
-    const auto& curves = curve[static_cast<std::size_t>(kernel)];
+    if (const MeasuredCell* k = exactly(kernel, shape, variant)) return k->prediction();
+    const auto& fits = fit_of[static_cast<std::size_t>(kernel)];
     const FitPoint point = point_of(kernel, shape, strategy);
     const double prior = prior_seconds(kernel, shape, strategy);
     const double otherwise = prior * speed[static_cast<std::size_t>(kernel)];
@@ -491,15 +491,15 @@ struct PerformanceModel::Impl {
       p.seconds = std::max(p.seconds, prior / kMostOff);
       return p;
     };
-    if (const auto found = curves.find(variant); found != curves.end()) {
+    if (const auto found = fits.find(variant); found != fits.end()) {
       return plausible(found->second.at(point, otherwise));
     }
-    if (const auto next = stand_in(curves, wanted); next != numbers.end()) {
+    if (const auto next = stand_in(fits, wanted); next != numbers.end()) {
       Strategy other = strategy;
       other.solver.lanes = next->first.lanes;
       other.solver.threads = next->first.q;
       const double scale = prior / prior_seconds(kernel, shape, other);
-      Prediction there = curves.at(next->second).at(point, otherwise / scale);
+      Prediction there = fits.at(next->second).at(point, otherwise / scale);
       there.seconds *= scale;
       there.factor *= 1.5;
       there.origin = Origin::extrapolated;
@@ -508,8 +508,8 @@ struct PerformanceModel::Impl {
     return plausible({otherwise, 2, Origin::prior});
   }
 
-  // The nearest variant of the same solver, with another W or other threads, that has a curve; end: there is none.
-  [[nodiscard]] std::map<Variant, std::int32_t>::const_iterator stand_in(const Curves& curves,
+  // The nearest variant of the same solver, with another W or other threads, that has a fit; end: there is none.
+  [[nodiscard]] std::map<Variant, std::int32_t>::const_iterator stand_in(const TimeFits& fits,
                                                                          const Variant& wanted) const {
     auto best = numbers.end();
     double least = 0;
@@ -522,7 +522,7 @@ struct PerformanceModel::Impl {
       return solver(v) == solver(wanted);
     };
     for (auto at = numbers.lower_bound(first); at != numbers.end() && same_solver(at->first); ++at) {
-      if (!curves.contains(at->second)) continue;
+      if (!fits.contains(at->second)) continue;
       const double distance = std::abs(std::log(static_cast<double>(at->first.lanes) / wanted.lanes)) +
                               std::abs(std::log(static_cast<double>(at->first.q) / wanted.q));
       if (best != numbers.end() && distance >= least) continue;
@@ -536,7 +536,7 @@ struct PerformanceModel::Impl {
     const Shape& shape = kernels.shape();
     Variant variant = variant_of(Kernel::pack, strategy, names);
     const std::int32_t number = number_of(variant);
-    if (const Known* k = exactly(Kernel::pack, shape, number)) return k->prediction();
+    if (const MeasuredCell* k = exactly(Kernel::pack, shape, number)) return k->prediction();
     const Prediction sum = composed(kernels, strategy);
     auto found = packs.find(number);
     if (found == packs.end()) {  // same solver with another W, or else with the plain policy
@@ -557,12 +557,12 @@ struct PerformanceModel::Impl {
   BackendNumbers names;
   std::map<Variant, std::int32_t> numbers;
   std::vector<KernelShape> shapes;       // ascending
-  std::vector<Known> known;              // ascending
-  std::array<Curves, 3> curve;           // evaluate, factor, solve; by variant
+  std::vector<MeasuredCell> known;       // ascending
+  std::array<TimeFits, 3> fit_of;        // evaluate, factor, solve; by variant
   std::array<double, 3> speed{1, 1, 1};  // measured over prior time of each of these kernels
-  Curves rest;                           // W
-  Curves packs;                          // by variant
-  std::optional<Curve> around;
+  TimeFits rest;                         // W
+  TimeFits packs;                        // by variant
+  std::optional<TimeFit> around;
   std::map<std::int32_t, std::vector<double>> meetings;                // p
   std::map<std::int32_t, std::vector<double>> handovers;               // p; s for each double
   std::map<std::int32_t, std::map<std::int32_t, double>> contentions;  // p; n

@@ -7,7 +7,9 @@
 
 #include "equations/drive.hpp"
 #include "equations/law_bow.hpp"
+#include "equations/own_values.hpp"
 #include "index.hpp"
+#include "overloaded.hpp"
 
 namespace assur {
 namespace {
@@ -20,11 +22,6 @@ constexpr double kBetween = 0.381966;
 constexpr std::size_t kMostPoints = 100'000;
 
 }  // namespace
-
-bool is_angle(const System& s, const DriverInput& in, int law) {
-  if (in.kind == DriverInput::Kind::scalar) return false;
-  return in.kind == DriverInput::Kind::direction || law >= s.dimension;
-}
 
 DriveProgram::DriveProgram(const System& system, const Driven& driven) {
   for (const DriverInput& in : system.inputs) {
@@ -50,7 +47,7 @@ void DriveProgram::add_slots(const System& system, const Driven& driven, bool an
   for (const Index input : driven.inputs) {
     const DriverInput& in = system.inputs[idx(input)];
     for (std::size_t k = 0; k < in.laws.size(); ++k) {
-      if (is_angle(system, in, static_cast<int>(k)) != angles) continue;
+      if (is_angle(system, in, k) != angles) continue;
       slot_[idx(first_slot_[idx(input)]) + k] = static_cast<std::int32_t>(scale_.size());
       scale_.push_back(angles ? 1 : 1 / system.unit(in.dimension));
     }
@@ -339,10 +336,13 @@ void DriveProgram::compute_bows(double from, double to) {
   }
   for (Other& o : others_) {
     if (held_[idx(o.slot)] != 0) continue;
-    double more = 0;
-    if (const auto* spline = std::get_if<Law::Spline>(o.part)) more = bow(*spline, from, to);
-    if (const auto* function = std::get_if<Law::Function>(o.part)) more = bow_of_function(*function, o, from, to);
-    bows_[idx(o.slot)] += more * scale_[idx(o.slot)];
+    const Overloaded bow_of_part{
+        [](const Law::Polynomial&) { return 0.0; },  // never here
+        [](const Law::Harmonics&) { return 0.0; },   // counted in bend_
+        [&](const Law::Spline& spline) { return bow(spline, from, to); },
+        [&](const Law::Function& function) { return bow_of_function(function, o, from, to); },
+    };
+    bows_[idx(o.slot)] += std::visit(bow_of_part, *o.part) * scale_[idx(o.slot)];
   }
 }
 

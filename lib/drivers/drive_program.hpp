@@ -20,9 +20,6 @@
 
 namespace assur {
 
-// True if a law of an input is an angle.
-[[nodiscard]] bool is_angle(const System& system, const DriverInput& input, int law);
-
 // The program for the drivers of a system.
 class DriveProgram {
  public:

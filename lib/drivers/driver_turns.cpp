@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "drivers/drive_program.hpp"
+#include "equations/own_values.hpp"
 #include "index.hpp"
 
 namespace assur {
@@ -21,7 +22,7 @@ int angles_together(const System& s, const GroupedSystem& structure) {
   std::size_t law = 0;
   for (const DriverInput& in : s.inputs) {
     for (std::size_t k = 0; k < in.laws.size(); ++k, ++law) {
-      if (!is_angle(s, in, static_cast<int>(k))) continue;
+      if (!is_angle(s, in, k)) continue;
       for (Index c = in.first; c < in.first + in.count; ++c) of(c)[law / 64] |= std::uint64_t{1} << (law % 64);
     }
   }

@@ -289,7 +289,7 @@ void Inputs::withhold_targets(Controls& controls) {
   for (Control& c : controls) c.was_pending = std::exchange(c.pending, false);
 }
 
-void Inputs::take(const Controls& other) {
+void Inputs::set_controls(const Controls& other) {
   for (std::size_t i = 0; i < controls_.size(); ++i) {
     const std::int32_t slot = controls_[i].slot;  // simulators may differ in the drivers that they evaluate
     controls_[i] = other[i];

@@ -41,9 +41,9 @@ class Inputs {
   Inputs(const System& system, const std::vector<std::string>& controlled);
 
   // From now on, evaluates only drivers that marked coordinates depend on.
-  void keep(std::vector<std::uint8_t> needed) { compile(driven_behind(system_, std::move(needed))); }
+  void keep_only(std::vector<std::uint8_t> needed) { compile(driven_behind(system_, std::move(needed))); }
 
-  // Evaluates the laws by machine code, if there is some for them; after keep().
+  // Evaluates the laws by machine code, if there is some for them; after keep_only().
   void use(StepCode& code) { program_.use(code); }
 
   // Writes the known coordinates at time t; state[d]: d-th derivative, indexed by coordinate.
@@ -120,7 +120,7 @@ class Inputs {
   static void undo_step(Controls& controls, double now);
   static void withhold_targets(Controls& controls);
   // Takes over the controls of another object for the same scene.
-  void take(const Controls& other);
+  void set_controls(const Controls& other);
   // After undo_step() or withhold_targets(): repeats the targets of the step, beginning at rest at time `now`. If all
   // drivers were at rest it changes nothing, and returns false.
   bool ask_again_from_rest(double now);

@@ -248,10 +248,6 @@ std::optional<std::size_t> wrong_law(const System& s, const DriverInput& in, std
 
 }  // namespace
 
-bool is_angle(const System& s, const DriverInput& in, std::size_t law) {
-  return in.kind == Kind::direction || (in.kind == Kind::frame && law >= idx(s.dimension));
-}
-
 std::vector<double> own_values(const System& s, const DriverInput& in, std::span<const double> q) {
   return values_of(s, in, q);
 }

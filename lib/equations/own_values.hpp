@@ -12,7 +12,10 @@
 namespace assur {
 
 // True if this law of the driver gives an angle.
-[[nodiscard]] bool is_angle(const System& system, const DriverInput& input, std::size_t law);
+[[nodiscard]] inline bool is_angle(const System& system, const DriverInput& input, std::size_t law) {
+  const bool turns = input.kind == DriverInput::Kind::frame && law >= static_cast<std::size_t>(system.dimension);
+  return input.kind == DriverInput::Kind::direction || turns;
+}
 
 // The values of a driver in a posture, one for each law; SI units, angles in (-pi, pi].
 [[nodiscard]] std::vector<double> own_values(const System& system, const DriverInput& input, std::span<const double> q);

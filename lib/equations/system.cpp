@@ -10,9 +10,31 @@
 
 namespace assur {
 
+bool is_angle(MeasureForms::Kind kind) {
+  using enum MeasureForms::Kind;
+  switch (kind) {
+    case form:
+    case distance:
+    case sum:
+    case quaternion_w:
+    case quaternion_x:
+    case quaternion_y:
+    case quaternion_z:
+      return false;
+    case absolute_angle:
+    case signed_angle:
+    case unsigned_angle:
+    case sum_of_angles:
+    case turn_x:
+    case turn_y:
+    case turn_z:
+      return true;
+  }
+  return false;
+}
+
 std::string unit_of(const MeasureForms& m) {
-  using K = MeasureForms::Kind;
-  if (m.kind != K::form && m.kind != K::distance && m.kind != K::sum && !is_quaternion(m.kind)) return "rad";
+  if (is_angle(m.kind)) return "rad";
   return m.dimension == 0 ? "1" : m.dimension == 1 ? "m" : "m^" + std::to_string(m.dimension);
 }
 

@@ -181,7 +181,11 @@ struct Bound {
 [[nodiscard]] inline bool is_quaternion(MeasureForms::Kind kind) {
   return kind >= MeasureForms::Kind::quaternion_w && kind <= MeasureForms::Kind::quaternion_z;
 }
-[[nodiscard]] inline bool is_turn(MeasureForms::Kind kind) { return kind >= MeasureForms::Kind::turn_x; }
+[[nodiscard]] inline bool is_turn(MeasureForms::Kind kind) {
+  return kind >= MeasureForms::Kind::turn_x && kind <= MeasureForms::Kind::turn_z;
+}
+// True if the value, or the integral of the rate, is in rad.
+[[nodiscard]] bool is_angle(MeasureForms::Kind kind);
 
 // "rad", "m", "1", "m^2"
 [[nodiscard]] std::string unit_of(const MeasureForms& measure);

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "equations/outputs.hpp"
-#include "errors/angle_output.hpp"
 #include "errors/law_rounding.hpp"
 #include "index.hpp"
 #include "numbers.hpp"
@@ -54,7 +53,7 @@ ErrorEstimate::ErrorEstimate(const GroupedSystem& structure, Layout& layout, std
       wanted_[idx(d)] = true;
     }
     dimension_.push_back(o.parts().front().dimension);
-    is_angle_.push_back(is_angle(o) ? 1 : 0);
+    is_angle_.push_back(is_angle(o.parts().front().kind) ? 1 : 0);
   }
   probes_.push_back({Probe::Cause::left, {}});
   probes_.insert(probes_.end(), kRandom, {Probe::Cause::rounding, {}});
@@ -365,6 +364,7 @@ ErrorEstimate::Figures ErrorEstimate::relative(const Mechanism& m, const std::ve
     if (!(sizes[i].*what > 0)) continue;
     const std::size_t d = i % 3;
     double size = std::max(sizes[i].value, least[d] * m.unit[i / 3]);
+    // The direction that turns has an acceleration at least as large as the square of the rate.
     if (d == 2 && is_angle_[i / 3] != 0) size = std::max(size, sizes[i - 1].value * sizes[i - 1].value);
     worst[d] = std::max(worst[d], sizes[i].*what / size);
   }

@@ -85,7 +85,7 @@ class ErrorEstimate {
           ends = true;
           return;
         }
-        const PackLimit& limit = layout_.limits[p];
+        const ChangePointPosture& limit = layout_.limits[p];
         if (limit.exists()) solver.perturb(layout_.packs[p], limit, state, probes(), seed_);
         regular_[p] = limit.exists() || solver.perturb(layout_.packs[p], state, probes(), unseen, seed_) ? 1 : 0;
       });
@@ -137,11 +137,11 @@ class ErrorEstimate {
   // The largest errors of the run over its largest values.
   [[nodiscard]] ErrorFigures of_run(std::size_t mechanism = 0);
   // The pack and lane with the most uncertain unknowns.
-  struct Place {
+  struct PackLane {
     std::size_t pack = 0;
     std::int32_t lane = 0;
   };
-  [[nodiscard]] Place worst_of(std::size_t mechanism = 0) const { return mechanisms_[mechanism].worst; }
+  [[nodiscard]] PackLane worst_of(std::size_t mechanism = 0) const { return mechanisms_[mechanism].worst; }
   // Largest error of a coordinate, internal units.
   [[nodiscard]] double of_coordinate(std::size_t address) const;
 
@@ -161,7 +161,7 @@ class ErrorEstimate {
     std::vector<double> rounding;          // sizes: the part of the error with random signs
     Figures now;
     double limit = 0;  // larger errors are in doubt
-    Place worst;
+    PackLane worst;
     double before = 0, step = 0;      // time of the last step, and its length, s
     double measured = 0, serves = 0;  // time of the last measurement, and how long its rounding of laws is valid, s
     double redundant = 0;             // residual of the redundant equations

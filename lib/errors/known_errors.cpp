@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "equations/outputs.hpp"
+#include "equations/own_values.hpp"
 #include "errors/error_estimate.hpp"
 #include "errors/law_rounding.hpp"
 #include "index.hpp"
@@ -50,7 +51,7 @@ void ErrorEstimate::round_laws(const System& s, double t, bool now, std::vector<
   for (const Index i : evaluated_) {
     const DriverInput& in = s.inputs[idx(i)];
     for (std::size_t k = 0; k < in.laws.size(); ++k) {
-      const double unit = kEps / 2 / (is_angle(s, in, static_cast<int>(k)) ? 1 : s.unit(in.dimension));
+      const double unit = kEps / 2 / (is_angle(s, in, k) ? 1 : s.unit(in.dimension));
       const Motion* const command = inputs_ != nullptr ? inputs_->command(idx(i), k) : nullptr;
       const double zero = command != nullptr && in.zero != 0 ? std::abs(command->value) : 0;  // added to the target
       *bound++ = unit * (command != nullptr ? Jet<double>{zero, 0, 0} : rounding(in.laws[k], t, now));

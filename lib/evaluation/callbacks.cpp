@@ -39,7 +39,8 @@ void CallbackRows::residuals(const double* coefficients, const double* value, do
     for (int w = 0; w < lanes_; ++w) {
       load(use, coefficients, value, w, scratch_[c].x);
       block(use).callback->residual(scratch_[c].x, scratch_[c].phi);
-      for (const GroupClass::CallbackUse::Row& r : use.rows) phi[r.equation * lanes_ + w] = scratch_[c].phi[idx(r.row)];
+      for (const GroupClass::CallbackUse::EquationOfRow& r : use.rows)
+        phi[r.equation * lanes_ + w] = scratch_[c].phi[idx(r.row)];
     }
   }
 }
@@ -78,7 +79,7 @@ template <class Use>
 void CallbackRows::for_each_argument(Use&& use_it) const {
   for (std::size_t c = 0; c < scratch_.size(); ++c) {
     const GroupClass::CallbackUse& use = class_.callbacks[c];
-    for (const GroupClass::CallbackUse::Row& r : use.rows) {
+    for (const GroupClass::CallbackUse::EquationOfRow& r : use.rows) {
       for (std::size_t a = 0; a < use.arguments.size(); ++a) {
         if (use.arguments[a] < 0) continue;
         for (int w = 0; w < lanes_; ++w) {
@@ -122,7 +123,8 @@ void CallbackRows::curvature(const double* coefficients, const double* value, co
       load(use, coefficients, value, w, s.x);
       load(use, nullptr, rate, w, s.rate);
       block(use).callback->curvature(s.x, s.rate, s.phi);
-      for (const GroupClass::CallbackUse::Row& r : use.rows) rhs[r.equation * lanes_ + w] -= s.phi[idx(r.row)];
+      for (const GroupClass::CallbackUse::EquationOfRow& r : use.rows)
+        rhs[r.equation * lanes_ + w] -= s.phi[idx(r.row)];
     }
   }
 }

@@ -74,7 +74,7 @@ void lipschitz(const GroupClass& c, const double* coefficients, double* out, std
       }
     }
     for (const GroupClass::CallbackUse& use : c.callbacks) {
-      for (const GroupClass::CallbackUse::Row& r : use.rows)
+      for (const GroupClass::CallbackUse::EquationOfRow& r : use.rows)
         std::fill_n(out + idx(r.equation) * w, std::size_t{w}, kInfinity);
     }
   });

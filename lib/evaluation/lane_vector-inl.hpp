@@ -1,6 +1,6 @@
 // W doubles side by side, one for each lane of a pack, in the vectors of the target that is being compiled. Included
 // once for each target, inside its HWY_NAMESPACE (see Highway, "foreach_target.h"). Text that uses only functions which
-// Value has as well (program/graph.hpp) can write the program of a step instead.
+// Value has as well (program/step_graph.hpp) can write the program of a step instead.
 #if defined(ASSUR_LANE_VECTOR_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef ASSUR_LANE_VECTOR_INL
 #undef ASSUR_LANE_VECTOR_INL

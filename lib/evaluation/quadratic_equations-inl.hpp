@@ -238,17 +238,17 @@ class QuadraticEquations {
 
  private:
   template <class T>
-  struct Part {
+  struct Slice {
     const T *first, *last;
     [[nodiscard]] HWY_INLINE const T* begin() const { return first; }
     [[nodiscard]] HWY_INLINE const T* end() const { return last; }
   };
   template <class T>
-  static HWY_INLINE Part<T> part(const std::vector<T>& list, std::int32_t begin, std::int32_t end) {
+  static HWY_INLINE Slice<T> part(const std::vector<T>& list, std::int32_t begin, std::int32_t end) {
     return {list.data() + begin, list.data() + end};
   }
   template <class T>
-  static HWY_INLINE Part<T> part(const std::vector<T>& list, const GroupClass::Range& r) {
+  static HWY_INLINE Slice<T> part(const std::vector<T>& list, const GroupClass::Range& r) {
     return part(list, r.begin, r.end);
   }
 

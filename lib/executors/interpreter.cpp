@@ -271,7 +271,7 @@ std::unique_ptr<Executor> make_interpreter(const StepProgram& program, int lanes
   for (auto begin = program.phases.begin(), end = begin; begin != program.phases.end(); begin = end) {
     end = std::find_if(begin, program.phases.end(), [&](const Phase& p) { return width(p) != width(*begin); });
     const bool is_known = std::all_of(begin, end, [](const Phase& p) {
-      return std::none_of(p.code.begin(), p.code.end(), [](const Instruction& n) { return n.op > Op::select; });
+      return std::none_of(p.code.begin(), p.code.end(), [](const Instruction& n) { return n.op > kLastOp; });
     });
     if (!is_known) return nullptr;
     const StepProgram part{{begin, end}, program.addresses};

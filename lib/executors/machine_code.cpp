@@ -52,10 +52,10 @@ class Code {
 // Writes one function for all phases, each for one vector of its lanes after the other, or in a loop. A value that is
 // loaded or constant is read where it is used. If registers run out, the value with the farthest next use leaves its
 // register (Belady, IBM Systems Journal 5, 1966), and is written to the stack unless it can be read again elsewhere.
-class Writer {
+class MachineCodeWriter {
  public:
   // lanes: of phases that do not say it
-  Writer(int lanes, bool avx512, asmjit::CodeHolder& code)
+  MachineCodeWriter(int lanes, bool avx512, asmjit::CodeHolder& code)
       : usual_lanes_(lanes), avx512_(avx512), a_(&code), value_in_(avx512 ? 32 : 16, kFree) {}
 
   // False if an operation is unknown.
@@ -646,7 +646,7 @@ class MachineCode final : public Executor {
     Trouble trouble;
     if (code.init(asmjit::Environment::host()) != asmjit::kErrorOk) return false;
     code.setErrorHandler(&trouble);
-    Writer writer(lanes, avx512, code);
+    MachineCodeWriter writer(lanes, avx512, code);
     if (!writer.write(program) || trouble.any || !code_.take(code, protect)) return false;
     function_ = code_.function();
     return true;

@@ -23,23 +23,23 @@ class Recent {
   template <class Make, class... Parts>
   Code of(int lanes, const Make& make, const Parts&... key) {
     const auto found = std::find_if(entries_.begin(), entries_.end(),
-                                    [&](const Entry& e) { return e.lanes == lanes && e.key == std::tie(key...); });
+                                    [&](const KeptCode& e) { return e.lanes == lanes && e.key == std::tie(key...); });
     if (found != entries_.end()) return found->code;
     std::optional<Code> code = make();
     if (!code) return {};
-    Entry made{Key(key...), lanes, std::move(*code)};
+    KeptCode made{Key(key...), lanes, std::move(*code)};
     if (entries_.size() < kMostKept) return entries_.emplace_back(std::move(made)).code;
     oldest_ = (oldest_ + 1) % kMostKept;
     return (entries_[oldest_] = std::move(made)).code;
   }
 
  private:
-  struct Entry {
+  struct KeptCode {
     Key key;
     int lanes;
     Code code;
   };
-  std::vector<Entry> entries_;
+  std::vector<KeptCode> entries_;
   std::size_t oldest_ = kMostKept - 1;
 };
 

@@ -8,7 +8,7 @@ namespace assur {
 template <class Item>
 struct JsonReader::Kind {
   std::string_view key;
-  rows::Keys keys;
+  vocabulary::Keys keys;
   void (*read)(JsonReader& reader, Object& object, Item& item);
 };
 
@@ -16,24 +16,24 @@ struct JsonReader::Kind {
 // with a message; the keys of the kinds are added.
 template <class Item, class Row, class... Rows>
 void JsonReader::read_kinds(const JsonNode* section, const Where& where, const Row& own,
-                            const std::tuple<Rows...>& rows, rows::Keys told) {
+                            const std::tuple<Rows...>& rows, vocabulary::Keys told) {
   std::vector<Kind<Item>> kinds;
-  const auto add = [&]<class Struct, class... Keys>(const rows::Row<Struct, Keys...>& row) {
+  const auto add = [&]<class Struct, class... Keys>(const vocabulary::Row<Struct, Keys...>& row) {
     const auto& content = std::get<0>(row.keys).content;
-    if constexpr (rows::is_refused<std::remove_cvref_t<decltype(content)>>) {
+    if constexpr (vocabulary::is_refused<std::remove_cvref_t<decltype(content)>>) {
       told.refused.emplace_back(row.name(), content);
     } else {
       if (kinds.empty() || kinds.back().key != row.name()) told.allowed.push_back(row.name());
-      kinds.push_back({row.name(), rows::keys_of(row, own), [](JsonReader& reader, Object& object, Item& item) {
+      kinds.push_back({row.name(), vocabulary::keys_of(row, own), [](JsonReader& reader, Object& object, Item& item) {
                          Struct read;
-                         reader.fill(read, object, rows::row_of<Struct>());
+                         reader.fill(read, object, vocabulary::row_of<Struct>());
                          item.kind = std::move(read);
                        }});
     }
   };
   std::apply([&](const auto&... row) { (add(row), ...); }, rows);
 
-  each(section, where, [&](const std::string& name, const Place& at) {
+  each(section, where, [&](const std::string& name, const ValueAt& at) {
     Item item{name, {}};
     const Kind<Item>* kind = told_kind(kinds, told, at);
     if (kind != nullptr) {
@@ -49,8 +49,8 @@ void JsonReader::read_kinds(const JsonNode* section, const Where& where, const R
 
 // Null if a finding was reported.
 template <class Item>
-const JsonReader::Kind<Item>* JsonReader::told_kind(const std::vector<Kind<Item>>& kinds, const rows::Keys& keys,
-                                                    const Place& at) {
+const JsonReader::Kind<Item>* JsonReader::told_kind(const std::vector<Kind<Item>>& kinds, const vocabulary::Keys& keys,
+                                                    const ValueAt& at) {
   const auto& [node, where] = at;
   if (!node.is(Type::object)) {
     note(where, "an object with one of the keys " + one_of(keys.allowed) + " is wanted here, not " +
@@ -83,20 +83,20 @@ const JsonReader::Kind<Item>* JsonReader::told_kind(const std::vector<Kind<Item>
 }
 
 void JsonReader::read_constraints(const JsonNode* section) {
-  read_kinds<Constraint>(section, Where("/constraints"), rows::kConstraint, rows::kConstraints,
-                         {{}, {std::begin(rows::kNoConstraints), std::end(rows::kNoConstraints)}});
+  read_kinds<Constraint>(section, Where("/constraints"), vocabulary::kConstraint, vocabulary::kConstraints,
+                         {{}, {std::begin(vocabulary::kNoConstraints), std::end(vocabulary::kNoConstraints)}});
 }
 
 void JsonReader::read_joints(const JsonNode* section) {
-  read_kinds<Joint>(section, Where("/joints"), rows::kJoint, rows::kJoints, {});
+  read_kinds<Joint>(section, Where("/joints"), vocabulary::kJoint, vocabulary::kJoints, {});
 }
 
 void JsonReader::read_drivers(const JsonNode* section) {
-  read_kinds<Driver>(section, Where("/drivers"), rows::kDriver, rows::kDrivers, {});
+  read_kinds<Driver>(section, Where("/drivers"), vocabulary::kDriver, vocabulary::kDrivers, {});
 }
 
 void JsonReader::read_measures(const JsonNode* section) {
-  read_kinds<Measure>(section, Where("/measures"), rows::kMeasure, rows::kMeasures, {});
+  read_kinds<Measure>(section, Where("/measures"), vocabulary::kMeasure, vocabulary::kMeasures, {});
 }
 
 // True for two names, at least one of them a point: then the angle is that of one pair, not between two directions.
@@ -109,16 +109,16 @@ bool JsonReader::is_pair_of_points(const JsonNode& node) const {
 }
 
 // The angle of a joint is in the unit of angles.
-void JsonReader::put(DrivenCoordinate& out, const rows::Slot<DrivenCoordinate, Law>&, const Place& at) {
+void JsonReader::put(DrivenCoordinate& out, const vocabulary::Slot<DrivenCoordinate, Law>&, const ValueAt& at) {
   out.law = law(at, out.coordinate.ends_with(".angle") ? angle_unit_ : 1);
 }
 
-void JsonReader::put(Limit& out, const rows::Slot<Limit, Number>& bound, const Place& at) {
+void JsonReader::put(Limit& out, const vocabulary::Slot<Limit, Number>& bound, const ValueAt& at) {
   const bool of_angle = out.quantity.ends_with(".angle") || angle_names_.contains(out.quantity);
   out.*bound.member = number(at) * (of_angle ? angle_unit_ : 1);
 }
 
-void JsonReader::put(Combination& out, const rows::Slot<Combination, Number>&, const Place& at) {
+void JsonReader::put(Combination& out, const vocabulary::Slot<Combination, Number>&, const ValueAt& at) {
   const bool of_angles = std::any_of(out.terms.begin(), out.terms.end(),
                                      [&](const auto& term) { return angle_names_.count(term.first) != 0; });
   out.constant = number(at) * (of_angles ? angle_unit_ : 1);

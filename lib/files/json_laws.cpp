@@ -77,13 +77,13 @@ bool TableFolders::has(const std::string& name) const {
   });
 }
 
-void JsonReader::read(Law& out, const rows::About& about, const Place& at) {
-  out = law(at, about.means == rows::Means::angle ? angle_unit_ : 1);
+void JsonReader::read(Law& out, const vocabulary::About& about, const ValueAt& at) {
+  out = law(at, about.means == vocabulary::Means::angle ? angle_unit_ : 1);
 }
 
 // Laws of a rotation are named.
-void JsonReader::read(std::vector<Law>& out, const rows::About& about, const Place& at) {
-  if (about.means != rows::Means::rotation) {
+void JsonReader::read(std::vector<Law>& out, const vocabulary::About& about, const ValueAt& at) {
+  if (about.means != vocabulary::Means::rotation) {
     if (!expect(at, Type::array, "[law, law]")) return;
     for (std::size_t k = 0; k < at.size(); ++k) out.push_back(law(at[k], 1));
     return;
@@ -93,7 +93,7 @@ void JsonReader::read(std::vector<Law>& out, const rows::About& about, const Pla
   const JsonNode* node =
       angles.need(name, dimension_ == 2 ? "the law of the angle from +x" : "the laws [psi, theta, phi] of Rz Ry Rx");
   if (node == nullptr) return;
-  const Place named{*node, at.where / name};
+  const ValueAt named{*node, at.where / name};
   if (dimension_ == 2) {
     out.push_back(law(named, angle_unit_));
   } else if (is_list(named, 3, "[psi, theta, phi]")) {
@@ -115,7 +115,7 @@ Law parse_law(std::string_view text, const TableFolders& tables, std::vector<std
   return JsonReader(document, tables, none).read_law(files);
 }
 
-Law JsonReader::law(const Place& at, double unit) {
+Law JsonReader::law(const ValueAt& at, double unit) {
   const auto& [node, where] = at;
   if (node.is(Type::array)) {
     if (at.size() == 0) note(where, "an empty list of laws; write at least one, e.g. [{\"constant\": 0}]");
@@ -128,7 +128,7 @@ Law JsonReader::law(const Place& at, double unit) {
     note(where, "a law is wanted here; for a number write {\"constant\": ...}");
     return {};
   }
-  static const rows::Keys kKinds{{"constant", "polynomial", "harmonics", "table"}};
+  static const vocabulary::Keys kKinds{{"constant", "polynomial", "harmonics", "table"}};
   std::vector<std::string_view> told;
   for (const std::string_view kind : kKinds.allowed) {
     if (node.find(kind) != nullptr) told.push_back(kind);
@@ -145,8 +145,8 @@ Law JsonReader::law(const Place& at, double unit) {
     return {};
   }
   const std::string_view kind = told[0];
-  const Place value{*node.find(kind), where / kind};
-  rows::Keys keys{{kind}};
+  const ValueAt value{*node.find(kind), where / kind};
+  vocabulary::Keys keys{{kind}};
   if (kind == "harmonics") keys.allowed.push_back("offset");
   if (kind == "table") keys.allowed.insert(keys.allowed.end(), {"periodic", "monotone"});
   const Object object(*this, at, keys);
@@ -170,17 +170,17 @@ Law JsonReader::law(const Place& at, double unit) {
   }
 }
 
-Law JsonReader::harmonics(const Place& at, const Object& object, double unit) {
+Law JsonReader::harmonics(const ValueAt& at, const Object& object, double unit) {
   std::vector<Harmonic> terms;
   if (expect(at, Type::array, "[{\"amplitude\": 1, \"frequency\": 2}]")) {
     if (at.size() == 0) {
       note(at.where, "at least one harmonic is wanted; for a number alone write {\"constant\": ...}");
     }
-    const rows::Keys keys = rows::keys_of(rows::kHarmonic);
+    const vocabulary::Keys keys = vocabulary::keys_of(vocabulary::kHarmonic);
     for (std::size_t i = 0; i < at.size(); ++i) {
       Object item(*this, at[i], keys);
       Harmonic& term = terms.emplace_back();
-      fill(term, item, rows::kHarmonic);
+      fill(term, item, vocabulary::kHarmonic);
       term.amplitude *= unit;
     }
   }
@@ -190,7 +190,7 @@ Law JsonReader::harmonics(const Place& at, const Object& object, double unit) {
 }
 
 // The rows of a table in the scene itself.
-Law JsonReader::rows_of_table(const Place& at, const Where& law, bool closes, bool monotone, double unit) {
+Law JsonReader::rows_of_table(const ValueAt& at, const Where& law, bool closes, bool monotone, double unit) {
   Table table;
   const std::size_t before = findings_.size();
   for (std::size_t i = 0; i < at.size(); ++i) {
@@ -203,7 +203,7 @@ Law JsonReader::rows_of_table(const Place& at, const Where& law, bool closes, bo
   return {};
 }
 
-Law JsonReader::table(const Place& at, const Object& object, double unit) {
+Law JsonReader::table(const ValueAt& at, const Object& object, double unit) {
   bool closes = false, monotone = false;
   for (const auto& [key, value] : {std::pair("periodic", &closes), std::pair("monotone", &monotone)}) {
     if (const JsonNode* told = object.find(key)) read(*value, {}, {*told, object.where() / key});

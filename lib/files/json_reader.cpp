@@ -13,7 +13,7 @@ JsonReader::JsonReader(const JsonDocument& document, TableFolders tables, const 
 
 void JsonReader::note(const Where& where, std::string what) { findings_.push_back({where.text(), std::move(what)}); }
 
-bool JsonReader::expect(const Place& at, Type type, std::string_view example) {
+bool JsonReader::expect(const ValueAt& at, Type type, std::string_view example) {
   if (at.node.is(type)) return true;
   note(at.where, std::string(with_article(type)) + " is wanted here" +
                      (example.empty() ? "" : ", e.g. " + std::string(example)) + ", not " +
@@ -21,7 +21,7 @@ bool JsonReader::expect(const Place& at, Type type, std::string_view example) {
   return false;
 }
 
-bool JsonReader::is_refused(std::string_view key, const rows::Keys& keys, const Where& where) {
+bool JsonReader::is_refused(std::string_view key, const vocabulary::Keys& keys, const Where& where) {
   for (const auto& [refused, reason] : keys.refused) {
     if (key != refused) continue;
     note(where / key, std::string(reason.why));
@@ -33,7 +33,7 @@ bool JsonReader::is_refused(std::string_view key, const rows::Keys& keys, const 
 
 // ---- objects
 
-JsonReader::Object::Object(JsonReader& reader, const Place& at, const rows::Keys& keys)
+JsonReader::Object::Object(JsonReader& reader, const ValueAt& at, const vocabulary::Keys& keys)
     : reader_(reader), node_(at.node.is(Type::object) ? &at.node : nullptr), where_(at.where) {
   const std::vector<std::string_view>& allowed = keys.allowed;
   if (node_ == nullptr) {
@@ -74,7 +74,7 @@ const JsonNode* JsonReader::Object::need(std::string_view key, std::string_view 
 
 // ---- values
 
-Number JsonReader::number(const Place& at) {
+Number JsonReader::number(const ValueAt& at) {
   if (at.node.is(Type::number)) return at.node.number();
   const std::string_view text = at.node.text();
   if (text.starts_with('=')) {
@@ -89,7 +89,7 @@ Number JsonReader::number(const Place& at) {
   return kNan;
 }
 
-Triple JsonReader::triple(const Place& at) {
+Triple JsonReader::triple(const ValueAt& at) {
   const Triple nowhere{kNan, kNan, kNan};
   if (!expect(at, Type::array, dimension_ == 3 ? "[0, 0, 0]" : "[0, 0]")) return nowhere;
   const std::size_t size = at.size();
@@ -105,13 +105,13 @@ Triple JsonReader::triple(const Place& at) {
   return numbers;
 }
 
-std::string JsonReader::text(const Place& at, std::string_view example) {
+std::string JsonReader::text(const ValueAt& at, std::string_view example) {
   if (at.node.is(Type::string)) return std::string(at.node.text());
   (void)expect(at, Type::string, "\"" + std::string(example) + "\"");
   return "";
 }
 
-bool JsonReader::is_list(const Place& at, std::size_t size, std::string_view example) {
+bool JsonReader::is_list(const ValueAt& at, std::size_t size, std::string_view example) {
   if (!expect(at, Type::array, example)) return false;
   if (at.size() == size) return true;
   note(at.where, std::to_string(size) + " items are wanted here, e.g. " + std::string(example) + ", not " +
@@ -119,35 +119,37 @@ bool JsonReader::is_list(const Place& at, std::size_t size, std::string_view exa
   return false;
 }
 
-void JsonReader::read(Number& out, const rows::About& about, const Place& at) {
+void JsonReader::read(Number& out, const vocabulary::About& about, const ValueAt& at) {
   out = number(at);
-  if (about.means == rows::Means::angle) out *= angle_unit_;
+  if (about.means == vocabulary::Means::angle) out *= angle_unit_;
 }
 
-void JsonReader::read(std::optional<Number>& out, const rows::About& about, const Place& at) {
+void JsonReader::read(std::optional<Number>& out, const vocabulary::About& about, const ValueAt& at) {
   read(out.emplace(), about, at);
 }
 
-void JsonReader::read(bool& out, const rows::About&, const Place& at) {
+void JsonReader::read(bool& out, const vocabulary::About&, const ValueAt& at) {
   out = expect(at, Type::boolean, "") && at.node.boolean();
 }
 
-void JsonReader::read(Triple& out, const rows::About& about, const Place& at) {
-  if (about.means != rows::Means::each || at.node.is(Type::array)) {
+void JsonReader::read(Triple& out, const vocabulary::About& about, const ValueAt& at) {
+  if (about.means != vocabulary::Means::each || at.node.is(Type::array)) {
     out = triple(at);
   } else {
     std::fill_n(out.begin(), std::max(dimension_, 2), number(at));
   }
 }
 
-void JsonReader::read(std::string& out, const rows::About& about, const Place& at) { out = text(at, about.example); }
+void JsonReader::read(std::string& out, const vocabulary::About& about, const ValueAt& at) {
+  out = text(at, about.example);
+}
 
-void JsonReader::read(std::vector<std::string>& out, const rows::About& about, const Place& at) {
+void JsonReader::read(std::vector<std::string>& out, const vocabulary::About& about, const ValueAt& at) {
   if (!expect(at, Type::array, "[\"" + std::string(about.example) + "\"]")) return;
   for (std::size_t i = 0; i < at.size(); ++i) out.push_back(text(at[i], about.example));
 }
 
-void JsonReader::read(Anchor& out, const rows::About&, const Place& at) {
+void JsonReader::read(Anchor& out, const vocabulary::About&, const ValueAt& at) {
   if (at.node.is(Type::string)) {
     out = std::string(at.node.text());
   } else {
@@ -155,7 +157,7 @@ void JsonReader::read(Anchor& out, const rows::About&, const Place& at) {
   }
 }
 
-void JsonReader::read(Direction& out, const rows::About&, const Place& at) {
+void JsonReader::read(Direction& out, const vocabulary::About&, const ValueAt& at) {
   if (at.node.is(Type::string)) {
     out.first = at.node.text();
   } else if (!at.node.is(Type::array)) {
@@ -166,7 +168,8 @@ void JsonReader::read(Direction& out, const rows::About&, const Place& at) {
 }
 
 // about.example is a list of terms.
-void JsonReader::read(std::vector<std::pair<std::string, Number>>& out, const rows::About& about, const Place& at) {
+void JsonReader::read(std::vector<std::pair<std::string, Number>>& out, const vocabulary::About& about,
+                      const ValueAt& at) {
   if (!expect(at, Type::array, about.example)) return;
   const std::string_view one = about.example.substr(1, about.example.find(']'));
   const std::string_view name = one.substr(2, one.find('"', 2) - 2);
@@ -176,7 +179,7 @@ void JsonReader::read(std::vector<std::pair<std::string, Number>>& out, const ro
   }
 }
 
-void JsonReader::read(Limit::Reaction& out, const rows::About&, const Place& at) {
+void JsonReader::read(Limit::Reaction& out, const vocabulary::About&, const ValueAt& at) {
   const std::string_view text = at.node.text();
   if (text != "end" && text != "flag") {
     return note(at.where, "what a motion does at the limit is wanted here: \"end\" or \"flag\"");
@@ -185,13 +188,13 @@ void JsonReader::read(Limit::Reaction& out, const rows::About&, const Place& at)
 }
 
 // Members of bodies: local coordinates, or an object with ground coordinates.
-void JsonReader::read(std::vector<Member>& out, const rows::About&, const Place& at) {
-  const rows::Keys keys = rows::keys_of(rows::kMember);
-  each(&at.node, at.where, [&](const std::string& name, const Place& one) {
+void JsonReader::read(std::vector<Member>& out, const vocabulary::About&, const ValueAt& at) {
+  const vocabulary::Keys keys = vocabulary::keys_of(vocabulary::kMember);
+  each(&at.node, at.where, [&](const std::string& name, const ValueAt& one) {
     Member& member = out.emplace_back(Member{name, {}, one.node.is(Type::object)});
     if (member.in_ground) {
       Object object(*this, one, keys);
-      fill(member, object, rows::kMember);
+      fill(member, object, vocabulary::kMember);
     } else {
       member.local = triple(one);
     }

@@ -15,8 +15,8 @@
 #include "assur/scene.hpp"
 #include "files/expression.hpp"
 #include "files/json_document.hpp"
-#include "scene/kinds.hpp"
 #include "scene/names.hpp"
+#include "scene/vocabulary.hpp"
 
 namespace assur {
 
@@ -43,11 +43,11 @@ class JsonReader {
   using Type = JsonNode::Type;
 
   // A value of the document with its place.
-  struct Place {
+  struct ValueAt {
     const JsonNode& node;
     Where where;
 
-    Place operator[](std::size_t item) const { return {node.items()[item], where / item}; }
+    ValueAt operator[](std::size_t item) const { return {node.items()[item], where / item}; }
     [[nodiscard]] std::size_t size() const { return node.items().size(); }
   };
 
@@ -55,7 +55,7 @@ class JsonReader {
   class Object {
    public:
     // Reports unknown keys, and values that are not objects.
-    Object(JsonReader& reader, const Place& at, const rows::Keys& keys);
+    Object(JsonReader& reader, const ValueAt& at, const vocabulary::Keys& keys);
     [[nodiscard]] const JsonNode* find(std::string_view key) const { return node_ ? node_->find(key) : nullptr; }
     // Reports a missing key unless it is misspelt. {} in `what` is replaced by the names of the coordinates.
     [[nodiscard]] const JsonNode* need(std::string_view key, std::string_view what);
@@ -71,37 +71,37 @@ class JsonReader {
 
   void note(const Where& where, std::string what);
   void broken(const Where& where) { note(where, ""); }  // the error is reported elsewhere
-  [[nodiscard]] bool expect(const Place& at, Type type, std::string_view example);
+  [[nodiscard]] bool expect(const ValueAt& at, Type type, std::string_view example);
   // True if objects with this key are refused; reports it.
-  bool is_refused(std::string_view key, const rows::Keys& keys, const Where& where);
+  bool is_refused(std::string_view key, const vocabulary::Keys& keys, const Where& where);
 
   // values (json_reader.cpp, laws: json_laws.cpp); after an error NaN, "" and the like. example: as in a file, texts
   // without quotes
-  Number number(const Place& at);
-  Triple triple(const Place& at);
-  std::string text(const Place& at, std::string_view example);
+  Number number(const ValueAt& at);
+  Triple triple(const ValueAt& at);
+  std::string text(const ValueAt& at, std::string_view example);
   // True if it is an array of that length; else reports it.
-  [[nodiscard]] bool is_list(const Place& at, std::size_t size, std::string_view example);
-  void read(Number& out, const rows::About& about, const Place& at);
-  void read(std::optional<Number>& out, const rows::About& about, const Place& at);
-  void read(bool& out, const rows::About& about, const Place& at);
-  void read(Triple& out, const rows::About& about, const Place& at);
-  void read(std::string& out, const rows::About& about, const Place& at);
-  void read(std::vector<std::string>& out, const rows::About& about, const Place& at);
-  void read(Anchor& out, const rows::About& about, const Place& at);
-  void read(Direction& out, const rows::About& about, const Place& at);
-  void read(std::vector<std::pair<std::string, Number>>& out, const rows::About& about, const Place& at);
-  void read(std::vector<Member>& out, const rows::About& about, const Place& at);
-  void read(Law& out, const rows::About& about, const Place& at);
-  void read(std::vector<Law>& out, const rows::About& about, const Place& at);
-  void read(Limit::Reaction& out, const rows::About& about, const Place& at);
+  [[nodiscard]] bool is_list(const ValueAt& at, std::size_t size, std::string_view example);
+  void read(Number& out, const vocabulary::About& about, const ValueAt& at);
+  void read(std::optional<Number>& out, const vocabulary::About& about, const ValueAt& at);
+  void read(bool& out, const vocabulary::About& about, const ValueAt& at);
+  void read(Triple& out, const vocabulary::About& about, const ValueAt& at);
+  void read(std::string& out, const vocabulary::About& about, const ValueAt& at);
+  void read(std::vector<std::string>& out, const vocabulary::About& about, const ValueAt& at);
+  void read(Anchor& out, const vocabulary::About& about, const ValueAt& at);
+  void read(Direction& out, const vocabulary::About& about, const ValueAt& at);
+  void read(std::vector<std::pair<std::string, Number>>& out, const vocabulary::About& about, const ValueAt& at);
+  void read(std::vector<Member>& out, const vocabulary::About& about, const ValueAt& at);
+  void read(Law& out, const vocabulary::About& about, const ValueAt& at);
+  void read(std::vector<Law>& out, const vocabulary::About& about, const ValueAt& at);
+  void read(Limit::Reaction& out, const vocabulary::About& about, const ValueAt& at);
 
   // Reads the members that the row names. False if a required one is missing, which is reported.
   template <class Struct, class Row>
   bool fill(Struct& out, Object& object, const Row& row) {
     bool is_full = true;
-    rows::for_each_key(row, [&]<class Content>(const rows::Key<Content>& key) {
-      if constexpr (!rows::is_refused<Content>) {
+    vocabulary::for_each_key(row, [&]<class Content>(const vocabulary::Key<Content>& key) {
+      if constexpr (!vocabulary::is_refused<Content>) {
         const JsonNode* node = key.missing.empty() ? object.find(key.name) : object.need(key.name, key.missing);
         if (node != nullptr) put(out, key.content, {*node, object.where() / key.name});
         is_full = is_full && (node != nullptr || key.missing.empty());
@@ -110,15 +110,15 @@ class JsonReader {
     return is_full;
   }
   template <class Struct, class Type>
-  void put(Struct& out, const rows::Slot<Struct, Type>& slot, const Place& at) {
+  void put(Struct& out, const vocabulary::Slot<Struct, Type>& slot, const ValueAt& at) {
     read(out.*slot.member, slot.about, at);
   }
-  void put(Combination& out, const rows::Slot<Combination, Number>& constant, const Place& at);
-  void put(Limit& out, const rows::Slot<Limit, Number>& bound, const Place& at);
-  void put(TimeGrid& out, const rows::Slot<TimeGrid, double>& slot, const Place& at);
-  void put(DrivenCoordinate& out, const rows::Slot<DrivenCoordinate, Law>& law, const Place& at);
+  void put(Combination& out, const vocabulary::Slot<Combination, Number>& constant, const ValueAt& at);
+  void put(Limit& out, const vocabulary::Slot<Limit, Number>& bound, const ValueAt& at);
+  void put(TimeGrid& out, const vocabulary::Slot<TimeGrid, double>& slot, const ValueAt& at);
+  void put(DrivenCoordinate& out, const vocabulary::Slot<DrivenCoordinate, Law>& law, const ValueAt& at);
   template <class Struct, class... Entries>
-  void put(Struct& out, const rows::List<Entries...>& list, const Place& at) {
+  void put(Struct& out, const vocabulary::List<Entries...>& list, const ValueAt& at) {
     const bool fits = at.node.is(Type::array) && at.size() == sizeof...(Entries);
     if (!fits) return (void)is_list(at, sizeof...(Entries), example(list));
     std::size_t i = 0;
@@ -129,7 +129,7 @@ class JsonReader {
     return "\"" + std::string(slot.about.example) + "\"";
   }
   template <class... Entries>
-  static std::string example(const rows::List<Entries...>& list) {
+  static std::string example(const vocabulary::List<Entries...>& list) {
     std::string text;
     std::apply([&](const auto&... entry) { ((text += (text.empty() ? "[" : ", ") + example(entry)), ...); },
                list.entries);
@@ -143,7 +143,7 @@ class JsonReader {
   void read_parameters(const JsonNode* section);
   void remember_names(const JsonNode& scene);
   void each(const JsonNode* section, const Where& where,
-            const std::function<void(const std::string&, const Place&)>& read);
+            const std::function<void(const std::string&, const ValueAt&)>& read);
   template <class Item, class Row>
   void read_items(const JsonNode* section, const Where& where, const Row& row);
   void read_joints(const JsonNode* section);
@@ -159,16 +159,16 @@ class JsonReader {
   struct Kind;
   template <class Item, class Row, class... Rows>
   void read_kinds(const JsonNode* section, const Where& where, const Row& own, const std::tuple<Rows...>& rows,
-                  rows::Keys told);
+                  vocabulary::Keys told);
   template <class Item>
-  const Kind<Item>* told_kind(const std::vector<Kind<Item>>& kinds, const rows::Keys& keys, const Place& at);
+  const Kind<Item>* told_kind(const std::vector<Kind<Item>>& kinds, const vocabulary::Keys& keys, const ValueAt& at);
   [[nodiscard]] bool is_pair_of_points(const JsonNode& node) const;
 
   // laws (json_laws.cpp); unit: SI value of 1 in the file, angle_unit_ for angles
-  Law law(const Place& at, double unit);
-  Law harmonics(const Place& at, const Object& object, double unit);
-  Law table(const Place& at, const Object& object, double unit);
-  Law rows_of_table(const Place& at, const Where& law, bool closes, bool monotone, double unit);
+  Law law(const ValueAt& at, double unit);
+  Law harmonics(const ValueAt& at, const Object& object, double unit);
+  Law table(const ValueAt& at, const Object& object, double unit);
+  Law rows_of_table(const ValueAt& at, const Where& law, bool closes, bool monotone, double unit);
 
   const JsonDocument& document_;
   TableFolders tables_;

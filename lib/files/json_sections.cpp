@@ -7,11 +7,11 @@
 namespace assur {
 
 void JsonReader::each(const JsonNode* section, const Where& where,
-                      const std::function<void(const std::string&, const Place&)>& read) {
+                      const std::function<void(const std::string&, const ValueAt&)>& read) {
   if (section == nullptr || !expect({*section, where}, Type::object, "{\"name\": ...}")) return;
   for (std::size_t i = 0; i < section->items().size(); ++i) {
     const std::string name(section->keys()[i]);
-    const Place item{section->items()[i], where / name};
+    const ValueAt item{section->items()[i], where / name};
     if (parameter_names_.count(name) != 0) {
       note(item.where, in_quotes(name) + " is a parameter already; all kinds share one set of names");
     }
@@ -21,8 +21,8 @@ void JsonReader::each(const JsonNode* section, const Where& where,
 
 template <class Item, class Row>
 void JsonReader::read_items(const JsonNode* section, const Where& where, const Row& row) {
-  const rows::Keys keys = rows::keys_of(row);
-  each(section, where, [&](const std::string& name, const Place& at) {
+  const vocabulary::Keys keys = vocabulary::keys_of(row);
+  each(section, where, [&](const std::string& name, const ValueAt& at) {
     Object object(*this, at, keys);
     Item item;
     item.name = name;
@@ -49,15 +49,15 @@ SceneBuilder JsonReader::read(const std::string& name) {
 
   read_parameters(scene.find("parameters"));
   remember_names(document_.root);
-  read_items<Point>(scene.find("points"), Where("/points"), rows::kPoint);
-  read_items<Vector>(scene.find("vectors"), Where("/vectors"), rows::kVector);
-  read_items<Body>(scene.find("bodies"), Where("/bodies"), rows::kBody);
+  read_items<Point>(scene.find("points"), Where("/points"), vocabulary::kPoint);
+  read_items<Vector>(scene.find("vectors"), Where("/vectors"), vocabulary::kVector);
+  read_items<Body>(scene.find("bodies"), Where("/bodies"), vocabulary::kBody);
   read_joints(scene.find("joints"));
   read_constraints(scene.find("constraints"));
   read_drivers(scene.find("drivers"));
   read_measures(scene.find("measures"));
   read_limits(scene.find("limits"));
-  read_items<DeclaredGroup>(scene.find("groups"), Where("/groups"), rows::kGroup);
+  read_items<DeclaredGroup>(scene.find("groups"), Where("/groups"), vocabulary::kGroup);
   read_outputs(scene.find("outputs"));
   read_time(scene.find("time"));
 
@@ -99,7 +99,7 @@ void JsonReader::read_parameters(const JsonNode* section) {
   std::vector<std::string> unusable;
   std::vector<std::string_view> names;
   if (section != nullptr) names.assign(section->keys().begin(), section->keys().end());
-  each(section, where, [&](const std::string& name, const Place& at) {
+  each(section, where, [&](const std::string& name, const ValueAt& at) {
     const std::string_view text = at.node.text();
     const auto replaced = set_.find(name);
     if (std::string wrong = why_no_name(name); !wrong.empty()) {
@@ -161,11 +161,11 @@ void JsonReader::remember_names(const JsonNode& scene) {
 }
 
 void JsonReader::read_limits(const JsonNode* section) {
-  const rows::Keys keys = rows::keys_of(rows::kLimit);
-  each(section, Where("/limits"), [&](const std::string& quantity, const Place& at) {
+  const vocabulary::Keys keys = vocabulary::keys_of(vocabulary::kLimit);
+  each(section, Where("/limits"), [&](const std::string& quantity, const ValueAt& at) {
     Object object(*this, at, keys);
     Limit limit{.quantity = quantity};
-    fill(limit, object, rows::kLimit);
+    fill(limit, object, vocabulary::kLimit);
     builder_.add(std::move(limit));
   });
 }
@@ -173,22 +173,22 @@ void JsonReader::read_limits(const JsonNode* section) {
 void JsonReader::read_outputs(const JsonNode* section) {
   if (section == nullptr) return;
   std::vector<std::string> names;
-  read(names, {rows::Means::text, "C"}, {*section, Where("/outputs")});
+  read(names, {vocabulary::Means::text, "C"}, {*section, Where("/outputs")});
   for (std::string& name : names) builder_.output(std::move(name));
 }
 
 // All members of a table have the end and the step of the first one. A start that follows from the values is converted,
 // so that each member is prepared alone.
-void JsonReader::put(TimeGrid& out, const rows::Slot<TimeGrid, double>& slot, const Place& at) {
+void JsonReader::put(TimeGrid& out, const vocabulary::Slot<TimeGrid, double>& slot, const ValueAt& at) {
   const Number value = number(at);
   out.*slot.member = slot.member == &TimeGrid::start ? double{value} : value.value();
 }
 
 void JsonReader::read_time(const JsonNode* section) {
   if (section == nullptr) return;
-  Object object(*this, {*section, Where("/time")}, rows::keys_of(rows::kTime));
+  Object object(*this, {*section, Where("/time")}, vocabulary::keys_of(vocabulary::kTime));
   TimeGrid time;
-  if (!fill(time, object, rows::kTime)) return broken(object.where());
+  if (!fill(time, object, vocabulary::kTime)) return broken(object.where());
   builder_.time(time.start, time.end, time.step);
 }
 

@@ -1,4 +1,4 @@
-// Scene files: from a scene to JSON text, by the rows of kinds.hpp. A value is first written on one line, and broken
+// Scene files: from a scene to JSON text, by the rows of vocabulary.hpp. A value is first written on one line, and broken
 // into several ones where it is too long.
 #include <algorithm>
 #include <bit>
@@ -17,8 +17,8 @@
 #include <vector>
 
 #include "assur/scene.hpp"
-#include "scene/kinds.hpp"
 #include "scene/names.hpp"
+#include "scene/vocabulary.hpp"
 
 namespace assur {
 namespace {
@@ -122,12 +122,12 @@ bool is_same(const std::vector<T>& a, const std::vector<T>& b) {
 
 // False if reading an object without this key gives the same.
 template <class Struct, class Value>
-bool is_told(const Struct& item, const rows::Slot<Struct, Value>& slot) {
+bool is_told(const Struct& item, const vocabulary::Slot<Struct, Value>& slot) {
   static const Struct kNew{};
   return !is_same(item.*slot.member, kNew.*slot.member);
 }
 template <class Struct, class... Entries>
-bool is_told(const Struct&, const rows::List<Entries...>&) {
+bool is_told(const Struct&, const vocabulary::List<Entries...>&) {
   return true;
 }
 
@@ -168,7 +168,7 @@ class JsonWriter {
   template <class Item, class Row>
   void kinds(std::string_view name, const std::vector<Item>& items, const Row& own) {
     section(name, items, [&](const Item& item) {
-      const auto write = [&]<class Kind>(const Kind& kind) { fields(kind, rows::row_of<Kind>()); };
+      const auto write = [&]<class Kind>(const Kind& kind) { fields(kind, vocabulary::row_of<Kind>()); };
       if constexpr (std::is_same_v<Item, Constraint>) {
         item.visit(write);
       } else {
@@ -207,8 +207,8 @@ class JsonWriter {
 
   template <class Struct, class Row>
   void fields(const Struct& item, const Row& row) {
-    rows::for_each_key(row, [&]<class Content>(const rows::Key<Content>& key) {
-      if constexpr (rows::is_refused<Content>) {
+    vocabulary::for_each_key(row, [&]<class Content>(const vocabulary::Key<Content>& key) {
+      if constexpr (vocabulary::is_refused<Content>) {
         if (key.name == row.name()) note(std::string(key.content.why));
       } else {
         if (!key.missing.empty() || is_told(item, key.content)) field(key.name, content(item, key.content));
@@ -217,11 +217,11 @@ class JsonWriter {
   }
 
   template <class Struct, class Value>
-  std::string content(const Struct& item, const rows::Slot<Struct, Value>& slot) {
+  std::string content(const Struct& item, const vocabulary::Slot<Struct, Value>& slot) {
     return text(item.*slot.member, slot.about);
   }
   template <class Struct, class... Entries>
-  std::string content(const Struct& item, const rows::List<Entries...>& list) {
+  std::string content(const Struct& item, const vocabulary::List<Entries...>& list) {
     std::string all = "[";
     std::apply([&](const auto&... entry) { ((all += (all.size() > 1 ? ", " : "") + content(item, entry)), ...); },
                list.entries);
@@ -230,49 +230,51 @@ class JsonWriter {
 
   // ---- values, as JsonReader::read() takes them
 
-  std::string text(double x, const rows::About&) { return number(x); }
-  std::string text(const Number& x, const rows::About&) { return number(x); }
-  std::string text(const std::optional<Number>& x, const rows::About&) { return number(*x); }
-  std::string text(bool x, const rows::About&) { return x ? "true" : "false"; }
-  std::string text(const std::string& name, const rows::About&) { return json_text(name); }
-  std::string text(const std::vector<std::string>& names, const rows::About&) { return array_of(names, json_text); }
-  std::string text(const Triple& x, const rows::About& about) {
+  std::string text(double x, const vocabulary::About&) { return number(x); }
+  std::string text(const Number& x, const vocabulary::About&) { return number(x); }
+  std::string text(const std::optional<Number>& x, const vocabulary::About&) { return number(*x); }
+  std::string text(bool x, const vocabulary::About&) { return x ? "true" : "false"; }
+  std::string text(const std::string& name, const vocabulary::About&) { return json_text(name); }
+  std::string text(const std::vector<std::string>& names, const vocabulary::About&) {
+    return array_of(names, json_text);
+  }
+  std::string text(const Triple& x, const vocabulary::About& about) {
     const auto end = x.begin() + dimension_;
     const bool is_one = std::all_of(x.begin(), end, [&](const Number& other) { return is_same(other, x[0]); });
-    if (about.means == rows::Means::each && is_one) return number(x[0]);
+    if (about.means == vocabulary::Means::each && is_one) return number(x[0]);
     return array_of(std::span(x.begin(), end), number);
   }
-  std::string text(const Anchor& anchor, const rows::About& about) {
+  std::string text(const Anchor& anchor, const vocabulary::About& about) {
     return std::visit([&](const auto& own) { return text(own, about); }, anchor);
   }
-  std::string text(Limit::Reaction reaction, const rows::About&) {
+  std::string text(Limit::Reaction reaction, const vocabulary::About&) {
     return reaction == Limit::Reaction::end ? "\"end\"" : "\"flag\"";
   }
-  std::string text(const Direction& d, const rows::About&) {
+  std::string text(const Direction& d, const vocabulary::About&) {
     return d.is_pair() ? "[" + json_text(d.first) + ", " + json_text(d.second) + "]" : json_text(d.first);
   }
-  std::string text(const std::vector<std::pair<std::string, Number>>& terms, const rows::About&) {
+  std::string text(const std::vector<std::pair<std::string, Number>>& terms, const vocabulary::About&) {
     return array_of(terms,
                     [](const auto& term) { return "[" + json_text(term.first) + ", " + number(term.second) + "]"; });
   }
-  std::string text(const std::vector<Member>& members, const rows::About& about) {
+  std::string text(const std::vector<Member>& members, const vocabulary::About& about) {
     std::string all = "{";
     for (const Member& m : members) {
       all.append(all.size() > 1 ? ", " : "").append(json_text(m.name)).append(": ");
-      all += m.in_ground ? object(m, rows::kMember) : text(m.local, about);
+      all += m.in_ground ? object(m, vocabulary::kMember) : text(m.local, about);
     }
     return all + "}";
   }
-  std::string text(const Law& law, const rows::About&) {
+  std::string text(const Law& law, const vocabulary::About&) {
     const auto one = [&](const Law::Part& part) {
       return std::visit([&](const auto& own) { return part_of(own); }, part);
     };
     if (law.parts().empty()) return R"({"constant": 0})";
     return law.parts().size() == 1 ? one(law.parts()[0]) : array_of(law.parts(), one);
   }
-  std::string text(const std::vector<Law>& laws, const rows::About& about) {
+  std::string text(const std::vector<Law>& laws, const vocabulary::About& about) {
     const auto one = [&](const Law& law) { return text(law, about); };
-    if (about.means != rows::Means::rotation) return array_of(laws, one);
+    if (about.means != vocabulary::Means::rotation) return array_of(laws, one);
     return dimension_ == 2 ? "{\"angle\": " + one(laws[0]) + "}" : "{\"euler_zyx\": " + array_of(laws, one) + "}";
   }
 
@@ -282,7 +284,8 @@ class JsonWriter {
   }
   std::string part_of(const Law::Harmonics& h) {
     if (h.terms.empty()) return "{\"constant\": " + number(h.offset) + "}";
-    const std::string terms = array_of(h.terms, [&](const Harmonic& term) { return object(term, rows::kHarmonic); });
+    const std::string terms =
+        array_of(h.terms, [&](const Harmonic& term) { return object(term, vocabulary::kHarmonic); });
     return "{\"harmonics\": " + terms + (is_same(h.offset, Number(0)) ? "" : ", \"offset\": " + number(h.offset)) + "}";
   }
   std::string part_of(const Law::Spline& s) {
@@ -314,17 +317,17 @@ std::string write_scene(const Scene& scene) {
   writer.value("assur", "1");
   writer.value("name", json_text(excerpt(parts.name)));
   writer.value("dimension", std::to_string(parts.dimension));
-  writer.section("points", parts.points, rows::kPoint);
-  writer.section("vectors", parts.vectors, rows::kVector);
-  writer.section("bodies", parts.bodies, rows::kBody);
-  writer.kinds("joints", parts.joints, rows::kJoint);
-  writer.kinds("constraints", parts.constraints, rows::kConstraint);
-  writer.kinds("drivers", parts.drivers, rows::kDriver);
-  writer.kinds("measures", parts.measures, rows::kMeasure);
-  writer.section("limits", parts.limits, rows::kLimit);
-  writer.section("groups", parts.groups, rows::kGroup);
+  writer.section("points", parts.points, vocabulary::kPoint);
+  writer.section("vectors", parts.vectors, vocabulary::kVector);
+  writer.section("bodies", parts.bodies, vocabulary::kBody);
+  writer.kinds("joints", parts.joints, vocabulary::kJoint);
+  writer.kinds("constraints", parts.constraints, vocabulary::kConstraint);
+  writer.kinds("drivers", parts.drivers, vocabulary::kDriver);
+  writer.kinds("measures", parts.measures, vocabulary::kMeasure);
+  writer.section("limits", parts.limits, vocabulary::kLimit);
+  writer.section("groups", parts.groups, vocabulary::kGroup);
   if (!scene.written_outputs_.empty()) writer.value("outputs", array_of(scene.written_outputs_, json_text));
-  if (scene.time_.step > 0) writer.value("time", writer.object(scene.time_, rows::kTime));
+  if (scene.time_.step > 0) writer.value("time", writer.object(scene.time_, vocabulary::kTime));
   return writer.take();
 }
 

@@ -8,7 +8,7 @@
 #include "fleet/linkage_run.hpp"
 #include "numbers.hpp"
 #include "parallel/team.hpp"
-#include "runs/row_takers.hpp"
+#include "runs/row_consumers.hpp"
 #include "simulation/run_arguments.hpp"
 
 namespace assur {
@@ -116,13 +116,12 @@ FleetSummary Fleet::summarize(std::span<const double> times, const FleetOptions&
   for (FleetSummary::Member& member : out.members) {
     member.status.code = Code::interrupted;
     member.reached = kNan;
-    member.x = member.y = {kNan, kNan, kNan, kNan, kNan, kNan};
   }
   static constexpr std::array<std::size_t, 2> kColumns = {0, 1};
   const auto sink = [&](std::size_t i, const LinkageMotion& motion) {
     std::array<ColumnSummary, 2> columns;
     RowSummary summary(kColumns, columns);
-    for (std::size_t k = 0; k < motion.path.size(); ++k) summary.take(times[k], motion.path[k].data());
+    for (std::size_t k = 0; k < motion.path.size(); ++k) summary.add_row(times[k], motion.path[k].data());
     summary.finish();
     out.members[i] = {motion.status, motion.reached, columns[0], columns[1]};
   };

@@ -77,7 +77,7 @@ bool LinkageRun::pass(std::size_t level) {
     const bool ends = i == block.figures.closed, divides = ends || (block.doubtful >> i & 1) != 0;
     if (divides && !pass_interval(level, i)) return false;
     if (divides && linkage_->has_triads()) go_on_from(level, i);
-    if (level == 0) take(block, i);
+    if (level == 0) write_row(block, i);
     if (ends && i == block.figures.closed) {  // Rounding: closed at the end of the interval when it was divided.
       end(Code::branch_unknown, block.times[i], block.times[i], block.figures.joint);
       return false;
@@ -215,7 +215,7 @@ void LinkageRun::cannot_begin(const Block& block) {
 }
 
 // Takes a row, unless all are taken.
-void LinkageRun::take(const Block& block, unsigned i) {
+void LinkageRun::write_row(const Block& block, unsigned i) {
   if (path_.size() == rows_) return;
   const JointBlock& traced = block.joints[linkage_->traced()];
   path_.push_back({traced.x[i], traced.y[i]});
@@ -224,7 +224,7 @@ void LinkageRun::take(const Block& block, unsigned i) {
   if (!(error <= error_)) error_ = error;  // NaN, too
 }
 
-void LinkageRun::judge(double accuracy) {
+void LinkageRun::check_error(double accuracy) {
   motion_.path = path_;
   motion_.error = path_.empty() ? kNan : error_ / std::max(largest_, linkage_->mean_length());
   if (!motion_.status.ok()) return;
@@ -262,7 +262,7 @@ const LinkageMotion& LinkageRun::run(const PreparedLinkage& linkage, std::span<c
     if (!pass(0)) break;
     motion_.reached = times[begin + count - 1];
   }
-  judge(options.accuracy);
+  check_error(options.accuracy);
   return motion_;
 }
 

@@ -42,8 +42,8 @@ class LinkageRun {
   void begin_triads(Block& block);
   void end(Code code, double reached, double not_beyond, std::int32_t joint);
   void cannot_begin(const Block& block);
-  void take(const Block& block, unsigned i);
-  void judge(double accuracy);
+  void write_row(const Block& block, unsigned i);
+  void check_error(double accuracy);
 
   const PreparedLinkage* linkage_ = nullptr;
   std::vector<Block> blocks_;  // of the run, and of intervals within intervals

@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "assur/report.hpp"
-#include "groups/pack_limit.hpp"
+#include "groups/change_point_posture.hpp"
 #include "numbers.hpp"
 #include "program/step_rules.hpp"
 
@@ -47,7 +47,7 @@ struct Attempt {
   double converged = kConverged;  // relative residual that counts as solved
   double time = kNan;             // time of the posture relative to any fixed origin, s; NaN: unknown
   double largest_correction = 0;  // pass: a larger first correction (maximum norm) may lead to the other branch
-  const PackLimit* limit = nullptr;
+  const ChangePointPosture* limit = nullptr;
   bool all_rates = false;   // compute rates of all unknowns, wanted or not; accelerations of all or none
   bool makes_code = false;  // start: machine code may be made, which takes time; else only existing code is used
 };

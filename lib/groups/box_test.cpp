@@ -110,7 +110,7 @@ class BoxTestOf final : public BoxTest {
       register_change_.set(idx(f.reg), sum);
     }
     for (std::size_t e = 0; e < block.equations.size(); ++e) moves_.set(e, L::set(0));
-    for (const Entry& e : block.entries) {
+    for (const JacobianEntry& e : block.entries) {
       L change = change_[idx(e.nonzero)], move = moves_[idx(e.row)];
       const GroupClass::Range operands = class_.entries[idx(e.nonzero)];
       add(class_.entry_operands, operands.begin, operands.end, change);

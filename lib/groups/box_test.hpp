@@ -16,11 +16,11 @@ class BoxTest {
  public:
   static constexpr std::size_t kPostures = 4;  // along the tube, side by side: kAlongTheTube
   // An entry of the Jacobian of a block: nonzero of the pattern, and its place in the block.
-  struct Entry {
+  struct JacobianEntry {
     std::int32_t nonzero, row, column;
   };
   struct Block {
-    std::span<const Entry> entries;
+    std::span<const JacobianEntry> entries;
     std::span<const std::int32_t> unknowns, equations;
   };
   // One of W lanes. All arrays are [row][lane].

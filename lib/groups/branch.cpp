@@ -67,7 +67,7 @@ BlockConditions::BlockConditions(const GroupClass& group_class, int lanes, bool 
   std::vector<std::int32_t> column(idx(group_class.n)),
       row(idx(group_class.n));  // of unknowns and equations, within their blocks
   std::vector<std::vector<std::int32_t>> unknowns(idx(group_class.blocks)), equations(idx(group_class.blocks));
-  std::vector<std::vector<BoxTest::Entry>> entries(idx(group_class.blocks));
+  std::vector<std::vector<BoxTest::JacobianEntry>> entries(idx(group_class.blocks));
   for (std::int32_t i = 0; i < group_class.n; ++i) {
     auto& u = unknowns[idx(group_class.unknown_block[idx(i)])];
     column[idx(i)] = static_cast<std::int32_t>(u.size());
@@ -134,7 +134,7 @@ void BlockConditions::find_reads(const GroupClass& c) {
     if (e.gear >= 0) take_arguments(c.gears[idx(e.gear)].arguments, b);
   }
   for (const GroupClass::CallbackUse& use : c.callbacks) {
-    for (const GroupClass::CallbackUse::Row& r : use.rows)
+    for (const GroupClass::CallbackUse::EquationOfRow& r : use.rows)
       take_arguments(use.arguments, c.equation_block[idx(r.equation)]);
   }
   reads_start_ = {0};
@@ -156,7 +156,8 @@ std::span<const std::int32_t> BlockConditions::equations(std::int32_t b) const {
 void BlockConditions::extract(const double* jacobian, std::int32_t b, int lane, std::vector<double>& out) const {
   const std::int32_t n = size(b);
   std::fill_n(out.data(), idx(n) * idx(n), 0.0);
-  for (const BoxTest::Entry& e : entries(b)) out[idx(e.column * n + e.row)] = jacobian[e.nonzero * lanes_ + lane];
+  for (const BoxTest::JacobianEntry& e : entries(b))
+    out[idx(e.column * n + e.row)] = jacobian[e.nonzero * lanes_ + lane];
 }
 
 // Computes the inverse of matrix_, which is overwritten. The test of a tube and the new anchor after it have the same.

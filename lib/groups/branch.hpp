@@ -91,7 +91,7 @@ class BlockConditions {
 
  private:
   void find_reads(const GroupClass& group_class);
-  [[nodiscard]] std::span<const BoxTest::Entry> entries(std::int32_t block) const {
+  [[nodiscard]] std::span<const BoxTest::JacobianEntry> entries(std::int32_t block) const {
     const auto b = static_cast<std::size_t>(block);
     return {entries_.data() + entry_start_[b], entries_.data() + entry_start_[b + 1]};
   }
@@ -110,7 +110,7 @@ class BlockConditions {
   std::vector<std::int32_t> unknown_start_, unknowns_;  // by block
   std::vector<std::int32_t> equations_;                 // by block, same starts
   std::vector<std::int32_t> entry_start_;               // by block
-  std::vector<BoxTest::Entry> entries_;                 // column after column of each block
+  std::vector<BoxTest::JacobianEntry> entries_;         // column after column of each block
   std::vector<double> matrix_, inverse_, inverted_;     // largest dense block; inverted_: the matrix of inverse_
   std::vector<double> of_lipschitz_, of_scale_;         // its unknowns x lanes
   std::unique_ptr<BoxTest> boxes_;

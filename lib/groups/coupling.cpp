@@ -91,12 +91,12 @@ void join(const double* from, std::size_t n, std::size_t count, std::size_t stri
   }
 }
 
-void couple(const InputSources& sources, std::span<const Couplings::Entry> entries, const double* couplings,
+void couple(const InputSources& sources, std::span<const Couplings::Coupling> entries, const double* couplings,
             std::size_t stride, const double* numbers, double* sums) {
   for (std::size_t l = 0; l < sources.lanes; l += kLanes) {
     L sum = L::set(0);
     const double* coupling = couplings + l;
-    for (const Couplings::Entry& e : entries) {
+    for (const Couplings::Coupling& e : entries) {
       L number = L::set(0);
       take(sources, idx(e.input), l, numbers, number);
       sum.add_product(L::load(coupling), number);

@@ -47,7 +47,7 @@ struct CouplingKernels {
   void (*part)(const double* from, std::size_t n, std::size_t count, std::size_t stride, double* to);
   void (*join)(const double* from, std::size_t n, std::size_t count, std::size_t stride, double* to);
   // sums = sum over the entries of coupling times the number of its source; couplings: entries x stride
-  void (*couple)(const InputSources& sources, std::span<const Couplings::Entry> entries, const double* couplings,
+  void (*couple)(const InputSources& sources, std::span<const Couplings::Coupling> entries, const double* couplings,
                  std::size_t stride, const double* numbers, double* sums);
   // to = own + sum_k columns[k] load_k, for n numbers of each group; loads: rows
   void (*complete)(const double* own, const double* const* columns, const double* loads, std::size_t n,

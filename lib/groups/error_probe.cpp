@@ -84,8 +84,8 @@ bool ErrorProbe::perturb(Pack& pack, const double* const (&state)[3], Probes pro
 // An error of the inputs along their motion is an error of the time, which the limit follows like any other time.
 // Across it, it would separate the branches: their crossing counts as exact, and the limit's own error is what both
 // sides say.
-void ErrorProbe::perturb(const Pack& pack, const PackLimit& limit, const double* const (&state)[3], Probes probes,
-                         std::uint64_t seed) const {
+void ErrorProbe::perturb(const Pack& pack, const ChangePointPosture& limit, const double* const (&state)[3],
+                         Probes probes, std::uint64_t seed) const {
   const std::size_t w = lanes_, n = size_ / w, inputs = pack.inputs.size() / w;
   const double* const of[4] = {limit.values.data(), limit.values.data() + size_, limit.values.data() + 2 * size_,
                                limit.values.data() + 3 * size_};

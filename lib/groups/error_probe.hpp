@@ -11,9 +11,9 @@
 #include "backends/residual.hpp"
 #include "equations/system.hpp"
 #include "groups/branch.hpp"
+#include "groups/change_point_posture.hpp"
 #include "groups/coded_changes.hpp"
 #include "groups/jacobian_solver.hpp"
-#include "groups/pack_limit.hpp"
 #include "groups/workspace.hpp"
 
 namespace assur {
@@ -49,7 +49,7 @@ class ErrorProbe {
                              std::uint64_t seed);
 
   // The same at a limit.
-  void perturb(const Pack& pack, const PackLimit& limit, const double* const (&state)[3], Probes probes,
+  void perturb(const Pack& pack, const ChangePointPosture& limit, const double* const (&state)[3], Probes probes,
                std::uint64_t seed) const;
 
   // Computes the changes of the unknowns that follow from changes of the inputs, to first order. changes: arrays in the

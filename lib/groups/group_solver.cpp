@@ -121,8 +121,8 @@ void GroupSolver::take_kept(const Pack& pack, double* const (&state)[3]) const {
   }
 }
 
-Status GroupSolver::take(const PackLimit& limit, const Pack& pack, double* const (&state)[3], Counters& counters,
-                         StepErrors& errors) {
+Status GroupSolver::take(const ChangePointPosture& limit, const Pack& pack, double* const (&state)[3],
+                         Counters& counters, StepErrors& errors) {
   const std::size_t size = work_.size();
   for (std::size_t d = 0; d < 3; ++d) std::copy_n(limit.values.data() + d * size, size, state[d] + pack.unknowns);
   counters.group_solutions += pack.used;

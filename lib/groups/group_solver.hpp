@@ -93,7 +93,7 @@ class GroupSolver {
                              std::uint64_t seed) {
     return probe_.perturb(pack, state, probes, unseen, seed);
   }
-  void perturb(const Pack& pack, const PackLimit& limit, const double* const (&state)[3], Probes probes,
+  void perturb(const Pack& pack, const ChangePointPosture& limit, const double* const (&state)[3], Probes probes,
                std::uint64_t seed) {
     probe_.perturb(pack, limit, state, probes, seed);
   }
@@ -103,8 +103,8 @@ class GroupSolver {
   [[nodiscard]] GroupHealth examine(Pack& pack, const double* state) { return probe_.examine(pack, state); }
 
  private:
-  [[nodiscard]] Status take(const PackLimit& limit, const Pack& pack, double* const (&state)[3], Counters& counters,
-                            StepErrors& errors);
+  [[nodiscard]] Status take(const ChangePointPosture& limit, const Pack& pack, double* const (&state)[3],
+                            Counters& counters, StepErrors& errors);
   // Tries the step in registers. False if the step cannot be made so, or if lanes fail; results of other lanes are
   // kept.
   [[nodiscard]] bool small_step(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters,

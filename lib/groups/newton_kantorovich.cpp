@@ -47,7 +47,7 @@ BallMatrix product(const MatrixXd& c, const BallMatrix& x) {
   return {c * x.middle, raised(c.cwiseAbs() * entry, k + 1)};
 }
 
-SolutionProof prove_solution(const QuadraticEquations& e) {
+SolutionProof prove_solution(const ProofEquations& e) {
   const Eigen::Index n = e.jacobian.middle.rows(), m = e.input_radius.size();
   SolutionProof proof;
   const MatrixXd c = e.jacobian.middle.partialPivLu().inverse();

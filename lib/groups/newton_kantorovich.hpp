@@ -32,7 +32,7 @@ struct BallMatrix {
 [[nodiscard]] BallMatrix product(const Eigen::MatrixXd& c, const BallMatrix& x);
 
 // n equations around a posture x and the middle of the box of their m inputs.
-struct QuadraticEquations {
+struct ProofEquations {
   BallMatrix residual;           // n x 1: Phi(x, h) at the middle of the box
   BallMatrix jacobian;           // n x n: J(x, h) for every h of the box
   BallMatrix by_inputs;          // n x m: Phi_h(x, h) for every h of the box
@@ -53,6 +53,6 @@ struct SolutionProof {
 };
 
 // Tries to prove that there is exactly one solution.
-[[nodiscard]] SolutionProof prove_solution(const QuadraticEquations& equations);
+[[nodiscard]] SolutionProof prove_solution(const ProofEquations& equations);
 
 }  // namespace assur

@@ -79,11 +79,11 @@ class StepKernel final : public SmallStep {
     if (derivatives_ > 0) store(rate, state[1] + pack.unknowns);
     if (derivatives_ > 1) store(acceleration, state[2] + pack.unknowns);
     store(s.x, state[0] + pack.unknowns);
-    figures.failed = tell(GroupFigure::failed, s.failed);
+    figures.failed = store_figure(GroupFigure::failed, s.failed);
     if (!less_equal(s.failed, L::set(0)).all()) return false;
-    figures.iterations = tell(GroupFigure::iterations, s.iterations);
-    figures.ball_used = tell(GroupFigure::ball_used, of_step.ball_used);
-    figures.needs_anchor = tell(GroupFigure::needs_anchor, of_step.needs_anchor);
+    figures.iterations = store_figure(GroupFigure::iterations, s.iterations);
+    figures.ball_used = store_figure(GroupFigure::ball_used, of_step.ball_used);
+    figures.needs_anchor = store_figure(GroupFigure::needs_anchor, of_step.needs_anchor);
     figures.balls_last = less_equal(of_step.needs_anchor, L::set(0)).all();
     raise(figures.position, s.relative);
     if (derivatives_ > 0) raise(figures.velocity, of_step.velocity);
@@ -102,7 +102,7 @@ class StepKernel final : public SmallStep {
   }
 
  private:
-  HWY_INLINE const double* tell(GroupFigure f, const L& of) {
+  HWY_INLINE const double* store_figure(GroupFigure f, const L& of) {
     double* const to = figures_ + static_cast<std::size_t>(f) * W;
     of.store(to);
     return to;

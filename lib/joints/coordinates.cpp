@@ -6,6 +6,7 @@
 
 #include "decimal.hpp"
 #include "joints/gear.hpp"
+#include "joints/joint_kinds.hpp"
 
 namespace assur::joints {
 namespace {
@@ -18,8 +19,8 @@ std::vector<std::string_view> coordinates_of(const Joint& j) {
 }
 
 // "joint 'J' is revolute and has no displacement; it has: angle"
-std::string no_such_part(const Joint& j, std::string_view kind, std::string_view part) {
-  const std::string front = "joint " + in_quotes(j.name) + " is " + std::string(kind);
+std::string no_such_part(const Joint& j, std::string_view part) {
+  const std::string front = "joint " + in_quotes(j.name) + " is " + std::string(kind_of(j).name);
   const auto parts = coordinates_of(j);
   if (parts.empty()) return front + "; only revolute, prismatic and cylindrical joints have coordinates";
   const std::string near = near_miss(part, parts);
@@ -39,11 +40,11 @@ Expansion::Coordinate Expansion::coordinate(const std::string& text, const Where
   const std::string part = text.substr(dot + 1, text.find('.', dot + 1) - dot - 1);
   const auto parts = coordinates_of(*j);
   if (part != "angle" && part != "displacement") {
-    if (!near_miss(part, parts).empty()) report(at, no_such_part(*j, kind_of(*j), part));
+    if (!near_miss(part, parts).empty()) report(at, no_such_part(*j, part));
     return {};
   }
   if (std::find(parts.begin(), parts.end(), part) == parts.end()) {
-    report(at, no_such_part(*j, kind_of(*j), part));
+    report(at, no_such_part(*j, part));
     return {};
   }
   return {j, part == "angle"};
@@ -61,7 +62,7 @@ Expansion::Coordinate Expansion::scalar(const std::string& text, const Where& at
     report(at, in_quotes(text) + " is a joint; write one of its coordinates, such as " +
                    in_quotes(j.name + "." + std::string(parts[0])));
   } else if (part.empty() || (is_near && std::find(parts.begin(), parts.end(), part) == parts.end())) {
-    report(at, no_such_part(j, kind_of(j), part));
+    report(at, no_such_part(j, part));
   } else {
     return coordinate(text, at);
   }

@@ -4,6 +4,8 @@
 #include <numeric>
 #include <utility>
 
+#include "joints/joint_kinds.hpp"
+
 namespace assur::joints {
 
 std::vector<Diagnostic> Expansion::run() {
@@ -128,15 +130,9 @@ std::size_t Expansion::body(const Joint& j, const std::string& name, std::size_t
     for (const Body& b : p_.bodies) names.push_back(b.name);
     names.push_back(kGround);
   }
-  const std::string_view kind = kind_of(j);
+  const std::string_view kind = kind_of(j).name;
   report(where(j) / kind / side, "there is no body " + in_quotes(name) + instead(name, names));
   return std::numeric_limits<std::size_t>::max();
-}
-
-std::string_view Expansion::kind_of(const Joint& j) {
-  static constexpr std::string_view kNames[] = {"revolute",  "prismatic", "cylindrical", "spherical",
-                                                "universal", "planar",    "fixed"};
-  return kNames[j.kind.index()];
 }
 
 int Expansion::solid(const std::string& body) const {

@@ -128,7 +128,6 @@ class Expansion {
   static std::pair<const std::string&, const std::string&> bodies_of(const Joint& j);
   // Index of a body, or of the ground. If the name is unknown, reports this and returns a larger number.
   std::size_t body(const Joint& j, const std::string& name, std::size_t side);
-  static std::string_view kind_of(const Joint& j);
   int solid(const std::string& body) const;
 
   // ---- features (expansion.cpp)
@@ -143,7 +142,7 @@ class Expansion {
   // Ground coordinates of a member of a body whose base is declared in the scene; false if they are not known yet.
   bool to_ground(const Body& b, const Member& m, bool is_point, Triple& out) const;
 
-  // ---- features that joints share (sharing.cpp)
+  // ---- features that joints share (joint_features.cpp)
   // The feature of an anchor at a place of the scene, on one or two solids. name: name of a new feature.
   std::size_t anchor(const Joint& j, const Where& here, const Anchor& a, bool is_point, std::string name,
                      std::initializer_list<int> solids);
@@ -159,7 +158,7 @@ class Expansion {
   void share(const Joint& j, const Planar& r, int a, int b);
   void share(const Joint&, const Fixed&, int, int) {}
 
-  // ---- sliding (sharing.cpp)
+  // ---- sliding (joint_features.cpp)
   [[nodiscard]] bool is_same(const Triple& a, const Triple& b, double share = kSame) const {
     return triple::norm(minus(a, b)) <= share * std::max(triple::norm(a), triple::norm(b));
   }
@@ -258,7 +257,7 @@ class Expansion {
   void write_coordinates();
 
   JointParts p_;
-  Known known_;
+  FindingsByPlace known_;
   std::vector<Diagnostic> findings_;
   bool is_broken_ = false;  // something was or would have been reported
   int suggestions_left_ = 100;

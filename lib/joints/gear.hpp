@@ -20,7 +20,7 @@ struct GearSide {
   std::string displacement;    // "NAME.lambda"
 };
 
-inline constexpr int kMostTeeth = 1000;
+inline constexpr int kMostTeeth = 1000;  // a choice: fractions then differ by 1e-6 at least
 // Cosine of a phase of about 1 rad: farther out of mesh, Newton's method may find another tooth.
 inline constexpr double kLeastCosineInMesh = 0.54;
 inline constexpr double kLargestPhase = 0x1p30;  // rad; beyond it rounding hides the teeth

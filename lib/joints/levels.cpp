@@ -4,6 +4,7 @@
 #include <optional>
 #include <utility>
 
+#include "joints/joint_kinds.hpp"
 #include "joints/levels_of_unknowns.hpp"
 
 namespace assur::joints {
@@ -53,10 +54,8 @@ void Expansion::set_levels() {
     require(count, reads);
   };
   for (const Joint& j : p_.joints) {
-    // Equations of translations and rotations in space, in the order of the kinds.
-    static constexpr std::pair<Index, Index> kCounts[] = {{3, 2}, {2, 3}, {2, 2}, {3, 0}, {3, 1}, {1, 2}, {0, 0}};
     const bool slides = std::holds_alternative<Prismatic>(j.kind), fixes = std::holds_alternative<Fixed>(j.kind);
-    auto [ways, angles] = in_space() ? kCounts[j.kind.index()]
+    auto [ways, angles] = in_space() ? std::pair<Index, Index>{kind_of(j).translations, kind_of(j).turns}
                           : slides   ? std::pair<Index, Index>{1, 1}
                           : fixes    ? std::pair<Index, Index>{0, 0}
                                      : std::pair<Index, Index>{2, 0};

@@ -25,12 +25,12 @@ constexpr int kDeepestInclude = 8;        // files that include each other
 constexpr std::size_t kDeepest = 90;      // elements inside each other; tinyxml2 9 allows 98 in one file, 11 allows 498
 
 // The elements that are read, with the attributes that are read and those that are ignored.
-struct Known {
+struct ReadElement {
   std::string_view tag;
   std::string_view read;
   std::string_view ignored;
 };
-constexpr Known kKnown[] = {
+constexpr ReadElement kKnown[] = {
     {"mujoco", "model", ""},
     {"mujocoinclude", "", ""},
     {"include", "file", ""},
@@ -53,14 +53,14 @@ constexpr Known kKnown[] = {
     {"key", "name qpos", "time qvel act ctrl mpos mquat"},
 };
 // The equality of joints shares its name with joints.
-constexpr Known kJointEquality = {"joint", "name class active joint1 joint2 polycoef", "solref solimp"};
+constexpr ReadElement kJointEquality = {"joint", "name class active joint1 joint2 polycoef", "solref solimp"};
 
-const Known* known(const Node& node) {
+const ReadElement* known(const Node& node) {
   if (node.tag == "joint" && (node.find("joint1") != nullptr || node.find("polycoef") != nullptr)) {
     return &kJointEquality;
   }
   const auto found =
-      std::find_if(std::begin(kKnown), std::end(kKnown), [&](const Known& k) { return k.tag == node.tag; });
+      std::find_if(std::begin(kKnown), std::end(kKnown), [&](const ReadElement& k) { return k.tag == node.tag; });
   return found == std::end(kKnown) ? nullptr : found;
 }
 
@@ -236,7 +236,7 @@ Document read_document(const std::filesystem::path& file) {
 }
 
 void check_attributes(const Node& node) {
-  const Known* kind = known(node);
+  const ReadElement* kind = known(node);
   if (kind == nullptr) return;
   std::vector<std::string_view> all = words_of(kind->read);
   const std::vector<std::string_view> read = all, ignored = words_of(kind->ignored);

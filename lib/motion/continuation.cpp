@@ -54,16 +54,16 @@ Continuation::Continuation(const Preparation& prepared, const StepSettings& sett
       layout_(lay_out(prepared)),
       packs_(layout_.packs),
       levels_(prepared, layout_, settings.pin_to),
-      mechanism_(structure_, layout_),
+      conditions_(structure_, layout_),
       angles_together_(angles_together(system_, structure_)) {
   if (prepared.plan.run.together && !packs_.empty())
     together_ = std::make_unique<Together>(prepared, layout_, levels_.team());
   state_.resize(layout_.first_unknown, layout_.size, prepared.plan.run.predictor);
-  mechanism_.bind(system_, prepared.reselect != nullptr);
+  conditions_.bind(system_, prepared.reselect != nullptr);
   for (const auto& solver : layout_.solvers) solver->reserve(diagnosis_);
   here_.reads.reserve(diagnosis_.most_read);
   approach_.reserve(diagnosis_.most_read);
-  state_.reserve(way_over_);
+  state_.reserve(history_);
   passing_.assign(packs_.size(), 0);
   passed_ = passing_;
   lacks_rates_ = std::any_of(structure_.classes.begin(), structure_.classes.end(),
@@ -74,12 +74,12 @@ void Continuation::keep_what_is_read(std::vector<std::uint8_t> marked) {
   for (const Pack& pack : packs_) {
     for (const std::int32_t a : pack.inputs) marked[idx(a)] = 1;
   }
-  mechanism_.mark(marked);
+  conditions_.mark(marked);
   marked.resize(system_.coordinates.size());  // known coordinates lie at their own index
-  inputs_.keep(std::move(marked));
+  inputs_.keep_only(std::move(marked));
   bows_.resize(layout_, inputs_.bends() ? inputs_.laws() : 0, 1);
   for (LaneArray& v : known_) v.assign(inputs_.bends() ? layout_.size : 0, 0.0);
-  mechanism_.check_inputs(inputs_.evaluated());
+  conditions_.check_inputs(inputs_.evaluated());
   whole_.reset();
   if (prepared_.code != nullptr) use(*prepared_.code);
 }
@@ -122,8 +122,8 @@ void Continuation::start(double time, const std::vector<double>& posture, const 
     deadline_ = std::chrono::steady_clock::time_point::max();  // deadlines hold for steps only
   }
   inputs_.reset();
-  if (before != nullptr) inputs_.take(before->inputs_.controls());
-  mechanism_.clear();
+  if (before != nullptr) inputs_.set_controls(before->inputs_.controls());
+  conditions_.clear();
   restart_solvers();
   converged_ = kConverged;
   any_turn_ = true;
@@ -158,7 +158,7 @@ void Continuation::start(double time, const std::vector<double>& posture, const 
     double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
     together_->start(q);
   }
-  mechanism_.begin({state_.at(0), state_.at(1), state_.at(2)});
+  conditions_.begin({state_.at(0), state_.at(1), state_.at(2)});
   turn_guessed_ = false;
   accept(now_, errors);
   begin_limits(before);
@@ -190,7 +190,7 @@ void Continuation::save(Snapshot& into, bool in_step) const {
   into.time = now_;
   into.selected_at = selected_at_;
   into.turn_guessed = in_step ? at_begin_.turn_guessed : turn_guessed_;
-  mechanism_.save(into.mechanism, in_step, report_.counters.branch_checks);
+  conditions_.save(into.conditions, in_step, report_.counters.branch_checks);
   into.angles = inputs_.program().accepted_angles();
   bows_.save(into.bows, report_.counters.branch_checks);
   into.limit_at = limit_at_;
@@ -210,7 +210,7 @@ void Continuation::restore(const Snapshot& from) {
   state_.copy(from.state);
   state_.restore();
   if (whole_) whole_->forget();
-  inputs_.take(from.controls);
+  inputs_.set_controls(from.controls);
   for (std::size_t p = 0; p < packs_.size(); ++p) packs_[p].restore(from.packs[p]);
   forget_guards();
   last_errors_ = from.errors;
@@ -218,7 +218,7 @@ void Continuation::restore(const Snapshot& from) {
   report_.reached = now_ = from.time;
   selected_at_ = from.selected_at;
   turn_guessed_ = from.turn_guessed;
-  mechanism_.restore(from.mechanism, now_, report_.counters.branch_checks);
+  conditions_.restore(from.conditions, now_, report_.counters.branch_checks);
   inputs_.program().accept(from.angles);
   bows_.restore(from.bows, report_.counters.branch_checks);
   drop_limit();
@@ -239,7 +239,7 @@ void Continuation::rest() {
   state_.restore();
 }
 
-void Continuation::tell_before_dividing() {
+void Continuation::announce_division() {
   if (!std::exchange(divided_, true) && before_dividing_) before_dividing_();
 }
 
@@ -269,7 +269,7 @@ Status Continuation::step_to(double t, bool may_reselect, Stride& stride) {
     if (const Status s = check_aim(t); !s.ok()) return s;
   }
   at_begin_ = {converged_, turn_guessed_};
-  mechanism_.begin_step();
+  conditions_.begin_step();
   bows_.begin_step();
   Status status;
   try {
@@ -280,7 +280,7 @@ Status Continuation::step_to(double t, bool may_reselect, Stride& stride) {
     passes_ = wants_reselection_ = false;
     over_ = nullptr;
     inputs_.follow();
-    tell_before_dividing();
+    announce_division();
     end_step(false);
     throw;
   }
@@ -318,12 +318,12 @@ Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
       ++report_.counters.substeps;
       if (may_choose_anew(may_reselect, first) && set_is_poor()) {
         wants_reselection_ = true;
-        return {Code::singular, {}, mechanism_.largest_coefficient(state_.at(0), report_.counters.branch_checks)};
+        return {Code::singular, {}, conditions_.largest_coefficient(state_.at(0), report_.counters.branch_checks)};
       }
       continue;
     }
     if (!divided_) near.begin(bend());
-    tell_before_dividing();
+    announce_division();
     if (s.code == Code::limit_reached) return s;
     if (turned_ > 1) {
       stride.set(std::max(std::abs(target - now_) / std::ceil(turned_), shortest_));
@@ -338,7 +338,7 @@ Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
     }
     // Close to a singularity of the solved equations, the watched equations fail first.
     if (s.code == Code::inconsistent && may_choose_anew(may_reselect, first) &&
-        mechanism_.another_set_may_help(state_.accepted(0))) {
+        conditions_.another_set_may_help(state_.accepted(0))) {
       wants_reselection_ = true;
       return s;
     }
@@ -346,23 +346,23 @@ Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
     const bool halves =
         vanished || s.code == Code::inconsistent || (worth_halving(s.code) && failed_pack_ != packs_.size());
     if (!halves) {
-      tell(s, target);
+      record_stop(s, target);
       return s;
     }
     if (std::abs(h) > shortest_ * 1.5) {
       stride.set(std::abs(target - now_) / 2);
       continue;
     }
-    if (!vanished && may_choose_anew(may_reselect, first) && mechanism_.another_set_may_help(state_.accepted(0))) {
+    if (!vanished && may_choose_anew(may_reselect, first) && conditions_.another_set_may_help(state_.accepted(0))) {
       wants_reselection_ = true;
       return s;
     }
     if (vanished || failed_pack_ == packs_.size()) {
-      tell(s, target);
+      record_stop(s, target);
       return s;
     }
     passes_ = true;
-    const Status found = at_the_limit(s, target, t, first);
+    const Status found = examine_failed_step(s, target, t, first);
     passes_ = false;
     if (!found.ok()) return found;
     if (now_ != before) {
@@ -405,7 +405,7 @@ bool Continuation::polish(double converged) {
     return false;
   }
   state_.replace();
-  mechanism_.accept(0, true);
+  conditions_.accept(0, true);
   last_errors_ = errors;
   return true;
 }
@@ -468,7 +468,7 @@ Status Continuation::try_step(double target, Attempt::Branch branch) {
     errors = {};
     s = solve_at(target, branch, errors);
   }
-  if (s.ok() && mechanism_.limits() != nullptr) s = check_limits(target, errors);
+  if (s.ok() && conditions_.limits() != nullptr) s = check_limits(target, errors);
   if (s.ok()) {
     accept(target, errors);
   } else if (turned_ <= 1 && s.code != Code::limit_reached) {

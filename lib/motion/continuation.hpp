@@ -20,7 +20,7 @@
 #include "motion/event_log.hpp"
 #include "motion/layout.hpp"
 #include "motion/levels.hpp"
-#include "motion/mechanism.hpp"
+#include "motion/motion_conditions.hpp"
 #include "motion/state.hpp"
 #include "motion/stride.hpp"
 #include "motion/together.hpp"
@@ -40,7 +40,7 @@ class Continuation {
   Continuation(const Preparation& prepared, const StepSettings& settings, Report& report, EventLog& events);
 
   // Signed angles that follow the postures from start() on; must outlive the continuation.
-  void follow(AngleTurns& turns) { mechanism_.follow(turns); }
+  void follow(AngleTurns& turns) { conditions_.follow(turns); }
 
   // Leaves out drivers that neither a computed unknown nor a marked coordinate (by address) depends on.
   void keep_what_is_read(std::vector<std::uint8_t> marked);
@@ -60,11 +60,11 @@ class Continuation {
     double time = 0;
     double selected_at = kNan;
     bool turn_guessed = false;
-    Mechanism::Snapshot mechanism;
+    MotionConditions::Snapshot conditions;
     std::vector<double> angles;  // of the drivers
     Bows::Measured bows;
     double limit_at = kNan;
-    std::vector<PackLimit> pack_limits;
+    std::vector<ChangePointPosture> pack_limits;
   };
   // Allocates no memory if `into` holds a snapshot of the same plan. in_step: the call comes within a step that has not
   // left its first posture; the snapshot is then the state before the step.
@@ -121,14 +121,14 @@ class Continuation {
   [[nodiscard]] Status step_to(double t, bool may_reselect, Stride& stride);
   [[nodiscard]] bool wants_reselection() const { return wants_reselection_; }
   // True if another set of the redundant equations would be better at the current posture than the set that is solved.
-  [[nodiscard]] bool set_is_poor() { return mechanism_.set_is_poor(state_.at(0), report_.counters.branch_checks); }
-  // See Mechanism.
+  [[nodiscard]] bool set_is_poor() { return conditions_.set_is_poor(state_.at(0), report_.counters.branch_checks); }
+  // See MotionConditions.
   [[nodiscard]] std::vector<std::int32_t> checks_chosen_anew(std::span<const double> posture) const {
-    return mechanism_.checks_chosen_anew(posture);
+    return conditions_.checks_chosen_anew(posture);
   }
   // To be called if no better set was found: set_is_poor() is then false until the set is twice as poor.
   void keep_set() {
-    mechanism_.keep_set();
+    conditions_.keep_set();
     selected_at_ = now_;
   }
 
@@ -137,7 +137,7 @@ class Continuation {
   [[nodiscard]] bool polish(double converged);
 
   // Largest relative residual of the redundant equations at the current posture.
-  [[nodiscard]] double contradiction() { return mechanism_.contradiction(state_.at(0)); }
+  [[nodiscard]] double contradiction() { return conditions_.contradiction(state_.at(0)); }
   // The residual at which an equation counts as solved.
   [[nodiscard]] double converged() const { return converged_; }  // 0: as exact as doubles allow
   void converge_to(double residual) { converged_ = residual; }
@@ -153,7 +153,7 @@ class Continuation {
   [[nodiscard]] bool on_change_point() const { return now_ == limit_at_; }
   [[nodiscard]] const StepErrors& errors() const { return last_errors_; }
   // The limited quantities, as in Preparation::start_limits.
-  [[nodiscard]] std::vector<double> limited() const { return mechanism_.limited(); }
+  [[nodiscard]] std::vector<double> limited() const { return conditions_.limited(); }
 
   [[nodiscard]] Layout& layout() { return layout_; }
   [[nodiscard]] std::span<Pack> packs() { return packs_; }
@@ -171,7 +171,7 @@ class Continuation {
 
   void use(StepCode& code);
   void repeat_in_idle_lanes();
-  void tell_before_dividing();
+  void announce_division();
   [[nodiscard]] Status solve_at(double t, Attempt::Branch branch, StepErrors& errors);
   [[nodiscard]] Status solve_all(double t, Attempt::Branch branch, StepErrors& errors);
   [[nodiscard]] Status solve_packs(double t, Attempt::Branch branch, double converged, StepErrors& errors);
@@ -183,8 +183,8 @@ class Continuation {
   [[nodiscard]] Status hidden();
   void undo_attempt();
   void forget_guards();
-  [[nodiscard]] Status check_levers(Mechanism::Levers which, double seconds);
-  void tell(const Status& stopped, double target);
+  [[nodiscard]] Status check_levers(MotionConditions::Levers which, double seconds);
+  void record_stop(const Status& stopped, double target);
   void accept(double t, const StepErrors& errors);
   [[nodiscard]] Status check_aim(double t);
   [[nodiscard]] Status advance(double t, bool may_reselect, Stride& stride);
@@ -198,16 +198,16 @@ class Continuation {
   [[nodiscard]] Status check_limits(double target, StepErrors& errors);
   [[nodiscard]] Status check_limits_passed(double change);
   void begin_limits(const Continuation* before);
-  [[nodiscard]] Status turned_unseen(AngleTurns::Way way);
+  [[nodiscard]] Status turned_unseen(AngleTurns::Turned turned);
   [[nodiscard]] bool may_choose_anew(bool asked, double first) const;
-  [[nodiscard]] Status at_the_limit(const Status& failed, double target, double t, double first);
+  [[nodiscard]] Status examine_failed_step(const Status& failed, double target, double t, double first);
   [[nodiscard]] bool turns_back();
   [[nodiscard]] std::pair<double, double> fold_between(double target, double t);
   [[nodiscard]] bool pass(double target, double t, double first);
   [[nodiscard]] bool is_avoided(double h, double first);
   [[nodiscard]] bool pass_by(double reach, double smallest, double to);
   [[nodiscard]] bool arrive_on_change_point(double t, double smallest);
-  [[nodiscard]] bool find_limit(double t, double reach, double smallest, std::vector<PackLimit>& limits);
+  [[nodiscard]] bool find_limit(double t, double reach, double smallest, std::vector<ChangePointPosture>& limits);
   void drop_limit();
   [[nodiscard]] bool walk(double until, double h, double change);
   [[nodiscard]] const std::string& name_of(const Noticed& event) const;
@@ -230,12 +230,12 @@ class Continuation {
   bool is_predicted_ = true;            // false: it is left to whole_
   State state_;
   Bows bows_;
-  bool bends_ = false;                // a law leaves its chord on the step that was tried
-  std::array<LaneArray, 3> known_;    // for bows_: known coordinates and their derivatives, in the layout of the state
-  const State::Way* over_ = nullptr;  // predicts the step over a change point; else null
-  bool lacks_rates_ = false;          // the rates of some unknowns are not computed, because they are not wanted
-  bool expands_ = false;              // all rates are computed, and used for the prediction
-  Mechanism mechanism_;
+  bool bends_ = false;              // a law leaves its chord on the step that was tried
+  std::array<LaneArray, 3> known_;  // for bows_: known coordinates and their derivatives, in the layout of the state
+  const State::PostureHistory* over_ = nullptr;  // predicts the step over a change point; else null
+  bool lacks_rates_ = false;  // the rates of some unknowns are not computed, because they are not wanted
+  bool expands_ = false;      // all rates are computed, and used for the prediction
+  MotionConditions conditions_;
   double converged_ = kConverged;
   StepErrors last_errors_;                      // of the last accepted posture
   std::vector<std::uint8_t> passing_, passed_;  // packs: 1 while the pack passes a change point; those of the last pass
@@ -253,7 +253,7 @@ class Continuation {
   DiagnosisMemory diagnosis_;
   Singularity here_;  // the last diagnosis
   Approach approach_;
-  State::Way way_over_;            // a change point
+  State::PostureHistory history_;  // before the change point that is passed
   double largest_correction_ = 0;  // of a step through a change point, relative to the predicted move
   std::function<void()> before_dividing_;
   bool divided_ = false;  // the current step was divided, or it failed

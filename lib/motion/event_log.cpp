@@ -61,7 +61,7 @@ void Continuation::record(Noticed event, double step) {
 }
 
 Noticed Continuation::about_limit(const LimitWatch::Change& change) const {
-  Noticed event{change.from, change.until, {}, mechanism_.limits()->kind(change), system_.bounds[change.bound].value};
+  Noticed event{change.from, change.until, {}, conditions_.limits()->kind(change), system_.bounds[change.bound].value};
   event.bound = static_cast<std::int32_t>(change.bound);
   return event;
 }
@@ -81,7 +81,7 @@ Event Continuation::in_words(const Noticed& event) const {
   Event out{event.time, event.until, name_of(event), event.kind, event.figure};
   if (event.told) out.detail = event.told->detail, out.unit = event.told->unit;
   if (event.bound >= 0) {
-    Event of_limit = mechanism_.limits()->event({idx(event.bound), event.kind != Code::within_limits, 0, 0});
+    Event of_limit = conditions_.limits()->event({idx(event.bound), event.kind != Code::within_limits, 0, 0});
     out.detail = std::move(of_limit.detail);
     out.unit = std::move(of_limit.unit);
   }

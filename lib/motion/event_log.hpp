@@ -63,7 +63,7 @@ class EventLog {
   }
   // Brings the report up to date. in_words: the event with its texts
   template <class InWords>
-  void tell(Report& report, const InWords& in_words) {
+  void write_to(Report& report, const InWords& in_words) {
     report.events.resize(told_);
     for (; told_ < kept_.size(); ++told_) report.events.push_back(in_words(kept_[told_]));
     report.dropped_events = dropped_;

@@ -21,7 +21,7 @@ constexpr std::size_t kLargestDense = 200;  // unknowns of a dense matrix; a cho
 
 struct Independence::Unit {
   std::vector<Index> unknowns;
-  std::vector<Row> rows;
+  std::vector<Gradient> rows;
   Eigen::MatrixXd jacobian;
   Eigen::PartialPivLU<Eigen::MatrixXd> lu;
   Eigen::VectorXd right;
@@ -88,19 +88,19 @@ void Independence::reserve() {
     unit.jacobian.resize(n, n);
     unit.right.resize(n);
     unit.lu = Eigen::PartialPivLU<Eigen::MatrixXd>(n);
-    for (Row& row : unit.rows) prepare(row);
+    for (Gradient& row : unit.rows) prepare(row);
   }
-  for (Row& row : dropped_) prepare(row);
+  for (Gradient& row : dropped_) prepare(row);
 }
 
-void Independence::prepare(Row& row) const {
+void Independence::prepare(Gradient& row) const {
   if (system_.equations[idx(row.equation)].callback < 0) return find_slopes(row);
   std::vector<Index> mentioned;
   system_.mentioned(row.equation, mentioned);
   row.entries.reserve(mentioned.size());
 }
 
-void Independence::find_slopes(Row& row) const {
+void Independence::find_slopes(Gradient& row) const {
   struct Slope {
     Index entry, coordinate;
     double value;
@@ -145,18 +145,18 @@ void Independence::find_slopes(Row& row) const {
 void Independence::keep_those_behind() {
   std::vector<std::uint8_t> needed(system_.coordinates.size(), 0);
   std::vector<Index> mentioned;
-  const auto need = [&](const Row& row) {
+  const auto need = [&](const Gradient& row) {
     system_.mentioned(row.equation, mentioned);
     for (const Index c : mentioned) needed[idx(c)] = 1;
   };
-  for (const Row& row : dropped_) need(row);
+  for (const Gradient& row : dropped_) need(row);
   for (auto unit = units_.rbegin(); unit != units_.rend(); ++unit) {
     const bool wanted =
         std::any_of(unit->unknowns.begin(), unit->unknowns.end(), [&](Index c) { return needed[idx(c)] != 0; });
     if (!wanted) {
       unit->rows.clear();
     } else {
-      for (const Row& row : unit->rows) need(row);
+      for (const Gradient& row : unit->rows) need(row);
     }
   }
   std::erase_if(units_, [](const Unit& u) { return u.rows.empty(); });
@@ -166,7 +166,7 @@ bool Independence::in_solving_order() {
   std::vector<Index> mentioned;
   for (std::size_t u = 0; u < units_.size(); ++u) {
     if (units_[u].rows.size() != units_[u].unknowns.size()) return false;
-    for (const Row& row : units_[u].rows) {
+    for (const Gradient& row : units_[u].rows) {
       system_.mentioned(row.equation, mentioned);
       for (const Index c : mentioned) {
         if (unit_of_[idx(c)] > static_cast<Index>(u)) return false;
@@ -184,7 +184,7 @@ double Independence::largest_coefficient(const double* q) {
     if (!factorize(unit)) return kInfinity;
   }
   double largest = 0;
-  for (Row& row : dropped_) {
+  for (Gradient& row : dropped_) {
     const double of_row = largest_of(row);
     if (!(of_row <= largest)) largest = of_row;
   }
@@ -193,21 +193,21 @@ double Independence::largest_coefficient(const double* q) {
 
 std::vector<Index> Independence::chosen_anew(std::span<const double> coordinates) {
   std::copy(coordinates.begin(), coordinates.end(), q_.begin());
-  std::vector<Row*> rows;
+  std::vector<Gradient*> rows;
   std::vector<Eigen::Index> first_column;  // units
   Eigen::Index columns = 0;
   for (Unit& unit : units_) {
-    for (Row& row : unit.rows) rows.push_back(&row);
+    for (Gradient& row : unit.rows) rows.push_back(&row);
     first_column.push_back(columns);
     columns += static_cast<Eigen::Index>(unit.unknowns.size());
   }
   if (static_cast<std::size_t>(columns) > kLargestDense) return {};
-  for (Row& row : dropped_) rows.push_back(&row);
-  std::sort(rows.begin(), rows.end(), [](const Row* a, const Row* b) { return a->equation < b->equation; });
+  for (Gradient& row : dropped_) rows.push_back(&row);
+  std::sort(rows.begin(), rows.end(), [](const Gradient* a, const Gradient* b) { return a->equation < b->equation; });
   Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(rows.size()), columns);
   for (std::size_t r = 0; r < rows.size(); ++r) {
     differentiate(*rows[r]);
-    for (const Entry& e : rows[r]->entries) {
+    for (const Coefficient& e : rows[r]->entries) {
       const Index unit = unit_of_[idx(e.coordinate)];
       if (unit < 0) continue;
       jacobian(static_cast<Eigen::Index>(r), first_column[idx(unit)] + place_[idx(e.coordinate)]) = e.value;
@@ -224,7 +224,7 @@ std::vector<Index> Independence::chosen_anew(std::span<const double> coordinates
   return out;
 }
 
-void Independence::differentiate(Row& row) {
+void Independence::differentiate(Gradient& row) {
   if (system_.equations[idx(row.equation)].callback >= 0) differentiate_callback(row);
   std::uint32_t k = 0;
   for (std::size_t i = 0; i < row.ends.size(); ++i) {
@@ -233,13 +233,13 @@ void Independence::differentiate(Row& row) {
     row.entries[i].value = sum;
   }
   double squares = 0;
-  for (const Entry& entry : row.entries) {
+  for (const Coefficient& entry : row.entries) {
     if (unit_of_[idx(entry.coordinate)] >= 0) squares += entry.value * entry.value;
   }
   row.length = std::max(std::sqrt(squares), kLeastScale);  // a row that vanishes determines nothing
 }
 
-void Independence::differentiate_callback(Row& row) {
+void Independence::differentiate_callback(Gradient& row) {
   row.entries.clear();
   const Equation& e = system_.equations[idx(row.equation)];
   const CallbackBlock& block = system_.callbacks[idx(e.callback)];
@@ -257,7 +257,7 @@ void Independence::differentiate_callback(Row& row) {
       gradient_[idx(t.coordinate)] += system_.constants[idx(t.constant)] * slope;
     }
   }
-  for (Entry& entry : row.entries) {
+  for (Coefficient& entry : row.entries) {
     entry.value = std::exchange(gradient_[idx(entry.coordinate)], 0.0);
     seen_[idx(entry.coordinate)] = 0;
   }
@@ -268,7 +268,7 @@ bool Independence::factorize(Unit& unit) {
   const Index self = unit_of_[idx(unit.unknowns.front())];
   for (std::size_t i = 0; i < unit.rows.size(); ++i) {
     differentiate(unit.rows[i]);
-    for (const Entry& e : unit.rows[i].entries) {
+    for (const Coefficient& e : unit.rows[i].entries) {
       if (unit_of_[idx(e.coordinate)] != self) continue;
       unit.jacobian(static_cast<Eigen::Index>(i), place_[idx(e.coordinate)]) = e.value;
     }
@@ -282,9 +282,9 @@ bool Independence::factorize(Unit& unit) {
 }
 
 // Solves sum c_i grad Phi_i = grad of the row, from the last unit to the first.
-double Independence::largest_of(Row& row) {
+double Independence::largest_of(Gradient& row) {
   differentiate(row);
-  for (const Entry& e : row.entries) gradient_[idx(e.coordinate)] = e.value;
+  for (const Coefficient& e : row.entries) gradient_[idx(e.coordinate)] = e.value;
   double largest = 0;
   for (auto unit = units_.rbegin(); unit != units_.rend(); ++unit) {
     for (std::size_t j = 0; j < unit->unknowns.size(); ++j) {
@@ -295,11 +295,11 @@ double Independence::largest_of(Row& row) {
     unit->lu.matrixLU().triangularView<Eigen::UnitLower>().transpose().solveInPlace(unit->right);
     const auto& place = unit->lu.permutationP().indices();
     for (std::size_t i = 0; i < unit->rows.size(); ++i) {
-      const Row& solved = unit->rows[i];
+      const Gradient& solved = unit->rows[i];
       const double c = unit->right[place[static_cast<Eigen::Index>(i)]];
       const double share = std::abs(c) * solved.length / row.length;
       if (!(share <= largest)) largest = share;
-      for (const Entry& e : solved.entries) gradient_[idx(e.coordinate)] -= c * e.value;
+      for (const Coefficient& e : solved.entries) gradient_[idx(e.coordinate)] -= c * e.value;
     }
   }
   std::fill(gradient_.begin(), gradient_.end(), 0.0);

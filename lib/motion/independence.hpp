@@ -15,7 +15,8 @@
 
 namespace assur {
 
-// A set with larger coefficients is worth replacing. A newly chosen set has coefficients of at most 1.5 (rank.cpp).
+// A set with larger coefficients is worth replacing. A newly chosen set has coefficients of at most 1.5
+// (independent_rows.hpp).
 inline constexpr double kPoorSet = 4;
 
 // Coefficients of the watched equations.
@@ -35,35 +36,35 @@ class Independence {
   [[nodiscard]] std::vector<Index> chosen_anew(std::span<const double> coordinates);
 
  private:
-  struct Entry {
+  struct Coefficient {
     Index coordinate;
     double value;
   };
-  struct Row {
+  struct Gradient {
     Index equation;
-    std::vector<Entry> entries = {};  // its gradient
-    double length = 0;                // over the unknowns of the units; at least kLeastScale
+    std::vector<Coefficient> entries = {};  // its gradient
+    double length = 0;                      // over the unknowns of the units; at least kLeastScale
     // Quadratic equations: an entry is the sum of value * coordinate over its slopes; the slopes of an entry are
     // consecutive.
-    std::vector<Entry> slopes = {};
+    std::vector<Coefficient> slopes = {};
     std::vector<std::uint32_t> ends = {};  // entries: end of their range in slopes
   };
   struct Unit;  // equations and unknowns that are solved together: an irreducible block of a group
   void collect(const GroupedSystem& structure);
   void keep_those_behind();
   void reserve();
-  void prepare(Row& row) const;
-  void find_slopes(Row& row) const;
+  void prepare(Gradient& row) const;
+  void find_slopes(Gradient& row) const;
   [[nodiscard]] bool in_solving_order();
-  void differentiate(Row& row);
-  void differentiate_callback(Row& row);
+  void differentiate(Gradient& row);
+  void differentiate_callback(Gradient& row);
   [[nodiscard]] bool factorize(Unit& unit);
-  [[nodiscard]] double largest_of(Row& row);
+  [[nodiscard]] double largest_of(Gradient& row);
 
   const System& system_;
   std::span<const std::int32_t> address_;
   std::vector<Unit> units_;  // in solving order
-  std::vector<Row> dropped_;
+  std::vector<Gradient> dropped_;
   std::vector<Index> unit_of_, place_;      // coordinates: unit (-1: none), and column in the unit
   std::vector<double> q_, gradient_;        // coordinates
   std::vector<std::uint8_t> seen_;          // coordinates

@@ -9,8 +9,8 @@ namespace assur {
 void Continuation::begin_limits(const Continuation* before) {
   const std::vector<double> known = before != nullptr ? before->limited() : prepared_.start_limits;
   for (const LimitWatch::Change& outside :
-       mechanism_.begin_limits({state_.at(0), state_.at(1), state_.at(2)}, now_, known)) {
-    const LimitWatch& limits = *mechanism_.limits();
+       conditions_.begin_limits({state_.at(0), state_.at(1), state_.at(2)}, now_, known)) {
+    const LimitWatch& limits = *conditions_.limits();
     if (limits.ends(outside)) {
       throw Error(Error::Kind::numerical, "the start posture violates a limit: " + limits.describe(outside.bound) +
                                               "; start elsewhere, or give the limit the reaction \"flag\"");
@@ -24,7 +24,7 @@ void Continuation::begin_limits(const Continuation* before) {
 Status Continuation::check_limits(double target, StepErrors& errors) {
   if (passes_) return {};
   const double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
-  LimitWatch* const limit_watch = mechanism_.limits();
+  LimitWatch* const limit_watch = conditions_.limits();
   const bool may_change = limit_watch->may_change(q, target);
   if (!any_turn_ && limit_watch->hides_change(bows_.times())) {
     undo_attempt();
@@ -39,7 +39,7 @@ Status Continuation::check_limits(double target, StepErrors& errors) {
   });
   const bool ends = !changes.empty() && limit_watch->ends(changes.back());
   const double to = ends ? changes.back().from : target;
-  if (ends) tell_before_dividing();
+  if (ends) announce_division();
   errors = {};
   Status s;
   if (to != now_) {
@@ -56,7 +56,7 @@ Status Continuation::check_limits(double target, StepErrors& errors) {
 
 // Checks the way over a change point, whose postures are accepted already.
 Status Continuation::check_limits_passed(double change) {
-  LimitWatch* const limit_watch = mechanism_.limits();
+  LimitWatch* const limit_watch = conditions_.limits();
   if (limit_watch == nullptr) return {};
   const double to = now_;
   const double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};

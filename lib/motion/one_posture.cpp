@@ -52,23 +52,23 @@ Status Continuation::solve_all(double t, Attempt::Branch branch, StepErrors& err
     if (const Status s = begin_in_parts(); !s.ok()) return s;
   }
   const double seconds = branch == Attempt::Branch::inside ? t - now_ : 0;
-  if (const Status s = check_levers(Mechanism::Levers::known, seconds); !s.ok()) return s;
+  if (const Status s = check_levers(MotionConditions::Levers::known, seconds); !s.ok()) return s;
   const Status solved = whole ? whole_->finish(q, attempt, report_.counters, errors, failed_pack_)
                               : solve_packs(t, branch, converged, errors);
   if (!solved.ok()) return solved;
-  if (const Status s = check_levers(Mechanism::Levers::unknown, seconds); !s.ok()) return s;
-  if (mechanism_.watches()) {
+  if (const Status s = check_levers(MotionConditions::Levers::unknown, seconds); !s.ok()) return s;
+  if (conditions_.watches()) {
     const bool may_correct = settings_.iterations == 0 && branch != Attempt::Branch::anywhere;
     std::size_t one = 0;
     const Status s = check_watched(
-        {&mechanism_, 1}, state_.at(0), converged, may_correct, [&] { return solve_packs(t, branch, 0, errors); },
+        {&conditions_, 1}, state_.at(0), converged, may_correct, [&] { return solve_packs(t, branch, 0, errors); },
         report_.counters, errors, one);
     if (!s.ok()) return s;
   }
   // The angles of drivers are within the limit of a step here; measured angles may have turned farther.
-  if (branch != Attempt::Branch::inside || !mechanism_.is_followed()) return {};
-  const AngleTurns::Way way = mechanism_.follow_angles(state_.at(0), t - now_, any_turn_ ? 0 : bows_.times());
-  return way == AngleTurns::Way::known ? Status{} : turned_unseen(way);
+  if (branch != Attempt::Branch::inside || !conditions_.is_followed()) return {};
+  const AngleTurns::Turned turned = conditions_.follow_angles(state_.at(0), t - now_, any_turn_ ? 0 : bows_.times());
+  return turned == AngleTurns::Turned::known ? Status{} : turned_unseen(turned);
 }
 
 // Length of a step to t, whose known coordinates are at hand, over the largest allowed one: by the turns of the
@@ -98,7 +98,7 @@ void Continuation::measure_bows() {
   };
   bows_.measure(q[0], report_.counters.branch_checks, known, [&](const auto& work) { levels_.each(work); });
   drop_factors();
-  mechanism_.measure(q, bows_, known_[0]);
+  conditions_.measure(q, bows_, known_[0]);
 }
 
 // A step must be divided if a lever may vanish in it, or a limit may be passed, so that its ends do not show it.
@@ -108,8 +108,8 @@ Status Continuation::hidden() {
   return {Code::branch_unknown, {}, turned_};
 }
 
-Status Continuation::turned_unseen(AngleTurns::Way way) {
-  const bool guesses = any_turn_ || way == AngleTurns::Way::none;
+Status Continuation::turned_unseen(AngleTurns::Turned turned) {
+  const bool guesses = any_turn_ || turned == AngleTurns::Turned::none;
   turn_guessed_ = turn_guessed_ || guesses;
   if (guesses) return {};
   ++report_.counters.rejected;
@@ -187,19 +187,19 @@ void Continuation::forget_guards() {
   if (together_) together_->forget();
 }
 
-Status Continuation::check_levers(Mechanism::Levers which, double seconds) {
-  if (!mechanism_.has(which)) return {};
+Status Continuation::check_levers(MotionConditions::Levers which, double seconds) {
+  if (!conditions_.has(which)) return {};
   const Status s =
-      mechanism_.check_levers(which, {state_.accepted(0), state_.accepted(1), state_.accepted(2)},
-                              {state_.at(0), state_.at(1), state_.at(2)}, seconds, any_turn_ ? 0 : bows_.times());
+      conditions_.check_levers(which, {state_.accepted(0), state_.accepted(1), state_.accepted(2)},
+                               {state_.at(0), state_.at(1), state_.at(2)}, seconds, any_turn_ ? 0 : bows_.times());
   return s.code == Code::branch_unknown ? hidden() : s;
 }
 
 // Records the driver or redundant equation that stopped the motion.
-void Continuation::tell(const Status& stopped, double target) {
+void Continuation::record_stop(const Status& stopped, double target) {
   Noticed event{now_, target, stopped.where, stopped.code, stopped.figure};
   if (stopped.code == Code::inconsistent) {
-    Watch& watch = mechanism_.watch();
+    Watch& watch = conditions_.watch();
     event.watched = static_cast<std::int32_t>(watch.worst());
     const Watched& of = structure_.watched[watch.worst()];
     event.figure = watch.violation(state_.at(0)) * system_.unit(of.is_length ? 1 : 0);
@@ -213,7 +213,7 @@ void Continuation::accept(double t, const StepErrors& errors) {
   if (t != limit_at_ && !std::isnan(limit_at_)) drop_limit();
   state_.accept(t);
   inputs_.program().accept();
-  if (mechanism_.is_followed()) mechanism_.accept(t - now_, passes_);
+  if (conditions_.is_followed()) conditions_.accept(t - now_, passes_);
   now_ = t;
   report_.reached = t;
   last_errors_ = errors;

@@ -58,9 +58,11 @@ int postures_read(const Predictor& p) {
       return 2;
     case Predictor::Kind::past:
       return p.order + 1;
-    default:
+    case Predictor::Kind::taylor:
+    case Predictor::Kind::automatic:
       return 1;
   }
+  return 1;
 }
 
 int derivatives_read(const Predictor& p) {
@@ -69,9 +71,11 @@ int derivatives_read(const Predictor& p) {
       return 2;
     case Predictor::Kind::taylor:
       return p.order;
-    default:
+    case Predictor::Kind::past:
+    case Predictor::Kind::automatic:
       return 0;
   }
+  return 0;
 }
 
 PredictionWeights prediction_weights(const Predictor& p, std::span<const double> times, double t) {
@@ -88,9 +92,11 @@ PredictionWeights prediction_weights(const Predictor& p, std::span<const double>
         if (amplification(w) <= kMostAmplification) return w;
       }
       return taylor(0, h);
-    default:
-      return taylor(p.order, h);
+    case Predictor::Kind::taylor:
+    case Predictor::Kind::automatic:
+      break;
   }
+  return taylor(p.order, h);
 }
 
 const PredictionWeights& WeightsOfEqualSteps::at(const Predictor& predictor, std::span<const double> times, double t) {

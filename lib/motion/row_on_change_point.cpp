@@ -43,18 +43,18 @@ bool Continuation::arrive_on_change_point(double t, double smallest) {
 
   Snapshot here;
   save(here, false);
-  std::vector<PackLimit> best;
+  std::vector<ChangePointPosture> best;
   double least = kInfinity;
   try {
     inputs_.expand_about(t);
     for (int k = 0; k < kReaches && is_beside(); ++k, reach /= 2) {
-      std::vector<PackLimit> limits;
+      std::vector<ChangePointPosture> limits;
       failed_pack_ = at_fault;
       const bool found = find_limit(t, reach, smallest, limits);
       restore(here);
       if (!found) continue;
       double worst = 0;
-      for (const PackLimit& limit : limits) {
+      for (const ChangePointPosture& limit : limits) {
         const auto [in_posture, in_rate, in_acceleration] = limit.errors;
         worst = std::max({worst, in_posture, in_rate / rate, in_acceleration / (rate * rate)});
       }
@@ -83,7 +83,7 @@ bool Continuation::arrive_on_change_point(double t, double smallest) {
 }
 
 // The limits at t of the packs that cross branches there, from samples up to `reach` seconds away.
-bool Continuation::find_limit(double t, double reach, double smallest, std::vector<PackLimit>& limits) {
+bool Continuation::find_limit(double t, double reach, double smallest, std::vector<ChangePointPosture>& limits) {
   constexpr std::size_t kSide = kLimitPlaces.size();
   const double change = now_;
   struct Posture {

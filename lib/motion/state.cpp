@@ -96,25 +96,25 @@ void State::begin_expansion(double t, Prediction& out, int derivatives) {
   }
 }
 
-void State::reserve(Way& way) const {
-  for (LaneArray& posture : way.postures) posture.assign(size_, 0.0);
+void State::reserve(PostureHistory& history) const {
+  for (LaneArray& posture : history.postures) posture.assign(size_, 0.0);
 }
 
-void State::keep(Way& way) const {
-  std::rotate(way.postures.begin(), way.postures.end() - 1, way.postures.end());
-  std::rotate(way.times.begin(), way.times.end() - 1, way.times.end());
+void State::save_history(PostureHistory& history) const {
+  std::rotate(history.postures.begin(), history.postures.end() - 1, history.postures.end());
+  std::rotate(history.times.begin(), history.times.end() - 1, history.times.end());
   const double* const newest = ring(0).at(last());
-  way.postures[0].assign(newest, newest + size_);
-  way.times[0] = times_.front();
-  way.count = std::min(way.count + 1, Way::kMost);
+  history.postures[0].assign(newest, newest + size_);
+  history.times[0] = times_.front();
+  history.count = std::min(history.count + 1, PostureHistory::kMost);
 }
 
-void State::begin_prediction(const Way& way, double t, Prediction& out) {
+void State::begin_prediction(const PostureHistory& history, double t, Prediction& out) {
   begin();
-  const Predictor through_all{Predictor::Kind::past, static_cast<std::int32_t>(way.count) - 1};
-  const PredictionWeights w = prediction_weights(through_all, std::span(way.times).first(way.count), t);
+  const Predictor through_all{Predictor::Kind::past, static_cast<std::int32_t>(history.count) - 1};
+  const PredictionWeights w = prediction_weights(through_all, std::span(history.times).first(history.count), t);
   for (out.count = 0; out.count < w.postures; ++out.count) {
-    out.sources[out.count] = way.postures[static_cast<std::size_t>(out.count)].data() + first_unknown_;
+    out.sources[out.count] = history.postures[static_cast<std::size_t>(out.count)].data() + first_unknown_;
     out.weights[out.count] = w.weight[static_cast<std::size_t>(out.count)][0];
   }
 }

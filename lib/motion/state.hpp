@@ -48,16 +48,16 @@ class State {
   // A prediction by the Taylor series of the last accepted posture, up to the first or second derivative; for the
   // second by the predictor if it reads all derivatives itself.
   void begin_expansion(double t, Prediction& out, int derivatives = 2);
-  // A prediction by a polynomial through accepted postures that keep() collected, newest first.
-  struct Way {
+  // A prediction by a polynomial through accepted postures that save_history() collected, newest first.
+  struct PostureHistory {
     static constexpr std::size_t kMost = 4;  // postures: a cubic
     std::array<LaneArray, kMost> postures;
     std::array<double, kMost> times{};
     std::size_t count = 0;
   };
-  void reserve(Way& way) const;
-  void keep(Way& way) const;
-  void begin_prediction(const Way& way, double t, Prediction& out);
+  void reserve(PostureHistory& history) const;
+  void save_history(PostureHistory& history) const;
+  void begin_prediction(const PostureHistory& history, double t, Prediction& out);
   void predict(const Prediction& prediction, std::size_t begin, std::size_t end);
   [[nodiscard]] std::size_t unknowns() const { return size_ - first_unknown_; }
   // Largest change from the last accepted posture to the prediction, over `count` unknowns from an address on.

@@ -129,7 +129,7 @@ std::int32_t Together::address(const Source& source) const {
 
 // Entries of a row that read the same group everywhere become one part. Their gains follow.
 void Together::sort_entries(Class& c) {
-  std::vector<Couplings::Entry>& entries = c.couplings.entries;
+  std::vector<Couplings::Coupling>& entries = c.couplings.entries;
   std::vector<std::vector<Source>> of_parts;  // of the current row: the source of each group
   for (std::size_t e = 0; e < entries.size(); ++e) {
     if (e == 0 || entries[e].row != entries[e - 1].row) of_parts.clear();
@@ -152,7 +152,7 @@ void Together::sort_entries(Class& c) {
       }
     }
   }
-  const auto part_of = [](const Couplings::Entry& e) { return std::pair(e.row, e.part); };
+  const auto part_of = [](const Couplings::Coupling& e) { return std::pair(e.row, e.part); };
   std::stable_sort(entries.begin(), entries.end(),
                    [&](const auto& a, const auto& b) { return part_of(a) < part_of(b); });
   for (std::size_t begin = 0, end = 0; begin < entries.size(); begin = end) {
@@ -315,8 +315,8 @@ void Together::make_rows() {
     const Class& c = classes_[idx(group.group_class)];
     const std::size_t place = next[idx(group.group_class)]++;
     for (std::int32_t k = 0; k < c.couplings.rows(); ++k) {
-      Row row{static_cast<std::int32_t>(c.loads + idx(k) * c.places + place), static_cast<std::int32_t>(links_.size()),
-              0};
+      LoadLinks row{static_cast<std::int32_t>(c.loads + idx(k) * c.places + place),
+                    static_cast<std::int32_t>(links_.size()), 0};
       for (std::size_t j = 0; j < c.gains.size(); ++j) {
         if (c.gains[j].row != k) continue;
         Source from;
@@ -344,9 +344,9 @@ void Together::make_rows() {
 }
 
 // Adds a row, or prolongs the chain of the last one.
-void Together::add_row(const Row& row) {
+void Together::add_row(const LoadLinks& row) {
   if (!rows_.empty() && row.end - row.begin == 1) {
-    Row& before = rows_.back();
+    LoadLinks& before = rows_.back();
     const Link &link = links_[idx(row.begin)], &first = links_[idx(before.begin)];
     const std::int32_t last = before.at + before.chain - 1;
     if (before.end - before.begin == 1 && row.at == last + 1 && link.load == last &&
@@ -510,7 +510,7 @@ void Together::couple(const Class& c, const Share& share, const LaneArray& chang
                     c.of_couplings.data() + idx(begin) * c.places + share.first, c.places, numbers.data(),
                     to + share.first);
   };
-  const std::vector<Couplings::Entry>& entries = c.couplings.entries;
+  const std::vector<Couplings::Coupling>& entries = c.couplings.entries;
   for (std::int32_t begin = 0, end = 0; begin < std::ssize(entries); begin = end) {
     const std::int32_t row = entries[idx(begin)].row;
     while (end < std::ssize(entries) && entries[idx(end)].row == row) ++end;
@@ -537,7 +537,7 @@ void Together::complete(const Class& c, const Share& share, LaneArray& to) {
 void Together::complete_loads() {
   double* const loads = loads_.data();
   const double* const gains = gains_.data();
-  for (const Row& row : rows_) {
+  for (const LoadLinks& row : rows_) {
     if (row.end - row.begin == 1) {
       const Link& link = links_[idx(row.begin)];
       kernels_.chain(gains + link.gain, loads[link.load], row.chain, loads + row.at);

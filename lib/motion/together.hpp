@@ -51,7 +51,7 @@ class Together {
 
  private:
   // A load of a group and the loads that it depends on.
-  struct Row {
+  struct LoadLinks {
     std::int32_t at;          // index into loads_
     std::int32_t begin, end;  // links
     std::int32_t chain = 1;   // number of rows from here on that depend only on the row before them, with consecutive
@@ -111,7 +111,7 @@ class Together {
   void make_passes(Class& c);
   void find_sources(const Class& c, Share& share) const;
   void make_rows();
-  void add_row(const Row& row);
+  void add_row(const LoadLinks& row);
   [[nodiscard]] const SolvedGroup& group(const Class& c, std::size_t place) const;
   [[nodiscard]] Pack& pack(const Class& c, std::size_t place) const;
   [[nodiscard]] std::int32_t address(const Source& source) const;
@@ -151,7 +151,7 @@ class Together {
   std::array<LaneArray, 3> unknowns_;                // [d]: d-th derivatives
   LaneArray loads_;                                  // of the coupled rows, by class [row][place]
   LaneArray gains_;                                  // by class [gain][place]
-  std::vector<Row> rows_;                            // in solving order
+  std::vector<LoadLinks> rows_;                      // in solving order
   std::vector<Link> links_;
   std::vector<Copy> idle_;  // loads that idle places copy
   int derivatives_ = 0;     // highest derivative of all classes

@@ -58,12 +58,12 @@ AngleTurns::Followed AngleTurns::follow(const double* q, double seconds, std::sp
     return {};
   }
   Followed found;
-  for (std::size_t lane = 0; lane < used && found.way == Way::known; ++lane) {
-    for (std::size_t i = lane; i < count_ && found.way != Way::unknown; i += w) {
+  for (std::size_t lane = 0; lane < used && found.turned == Turned::known; ++lane) {
+    for (std::size_t i = lane; i < count_ && found.turned != Turned::unknown; i += w) {
       if (strays_[i] == 0) continue;
       const double longest = std::sqrt(std::max(from.square[i], to.square[i]));
       const bool is_noise = longest <= kNoise * outputs_[lane].size_of_arm(i / w, q + lane);
-      found = {is_noise ? Way::none : Way::unknown, lane};
+      found = {is_noise ? Turned::none : Turned::unknown, lane};
     }
   }
   return found;

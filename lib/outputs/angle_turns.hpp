@@ -31,20 +31,20 @@ class AngleTurns {
   void start(const double* q);
 
   // Knowledge about the turns of one step.
-  enum class Way {
+  enum class Turned {
     known,
     unknown,  // a vector moved too far, or would have at the speed of the step before; a shorter step may help
     none,     // a vector is as small as rounding, so that its direction is unknown for any step
   };
   struct Followed {
-    Way way = Way::known;
-    std::size_t lane = 0;  // the first one whose way is not known
+    Turned turned = Turned::known;
+    std::size_t lane = 0;  // the first one whose turns are not known
   };
   // Examines another posture, a time `seconds` later. times: factor of the bows in each lane, see measure(); 0: laws
   // are lines. used: number of lanes with mechanisms
   [[nodiscard]] Followed follow(const double* q, double seconds, std::span<const double> times, std::size_t used);
-  [[nodiscard]] Way follow(const double* q, double seconds, double times) {
-    return follow(q, seconds, {&times, 1}, 1).way;
+  [[nodiscard]] Turned follow(const double* q, double seconds, double times) {
+    return follow(q, seconds, {&times, 1}, 1).turned;
   }
   // Measures how far each vector may leave its way within a step: by the changes of its coordinates that the probes
   // hold. scratch: memory of the size of the state; lane: at which q begins

@@ -9,7 +9,7 @@
 
 namespace assur {
 
-inline constexpr int kFormLanes = 8;
+inline constexpr int kFormLanes = 8;  // forms side by side: the widest vector
 
 // A term of the forms of a row.
 struct FormTerm {

@@ -11,7 +11,7 @@
 #include "index.hpp"
 #include "numbers.hpp"
 #include "outputs/dual.hpp"
-#include "program/graph.hpp"
+#include "program/step_graph.hpp"
 
 namespace assur {
 namespace {
@@ -89,7 +89,7 @@ void OutputProgram::add(const System& s, std::span<const std::int32_t> address, 
     of_sums_.push_back({m.forms[0], unit});
     return;
   }
-  Part part{m.kind, static_cast<std::int32_t>(form_start_.size()) - 1, 0, unit, column};
+  Measured part{m.kind, static_cast<std::int32_t>(form_start_.size()) - 1, 0, unit, column};
   for (const Index f : m.forms) {
     for (const Term& t : s.form(f)) terms_.push_back(term_at(t));
     form_start_.push_back(static_cast<std::int32_t>(terms_.size()));
@@ -116,7 +116,7 @@ bool OutputProgram::renew(const System& s) {
   for (std::size_t f = 0; f < of_forms_.size(); ++f) {
     if (of_forms_[f] >= 0) renew_terms(of_forms_[f], 1, terms_.data() + form_start_[f]);
   }
-  return std::all_of(parts_.begin(), parts_.end(), [this](const Part& p) { return renew_arm(p); });
+  return std::all_of(parts_.begin(), parts_.end(), [this](const Measured& p) { return renew_arm(p); });
 }
 
 // An output with all derivatives that is linear in coordinates.
@@ -199,9 +199,9 @@ void OutputProgram::add_row(const Neighbours& n) {
 }
 
 // Values of which outputs consist.
-class OutputProgram::Writer {
+class OutputProgram::StepWriter {
  public:
-  Writer(const OutputProgram& of, Numbers numbers) : of_(of), side_by_side_(numbers == Numbers::loads) {}
+  StepWriter(const OutputProgram& of, Numbers numbers) : of_(of), side_by_side_(numbers == Numbers::loads) {}
 
   [[nodiscard]] StepProgram finish() const { return {{graph_.phase()}, {}}; }
   [[nodiscard]] Value load(Memory memory, std::size_t index) { return graph_.load(own(memory, index)); }
@@ -276,10 +276,10 @@ bool OutputProgram::same_shape(const OutputProgram& o) const {
 }
 
 StepProgram OutputProgram::output_step(Numbers numbers) const {
-  Writer to(*this, numbers);
-  to.each_linear(Writer::kState, [&](std::int32_t column, const Value& value) { to.put(column, value); });
+  StepWriter to(*this, numbers);
+  to.each_linear(StepWriter::kState, [&](std::int32_t column, const Value& value) { to.put(column, value); });
   for (std::size_t i = 0; i < parts_.size(); ++i) {
-    const Part& p = parts_[i];
+    const Measured& p = parts_[i];
     if (!p.is_signed_angle()) continue;
     const auto [x, y] = arm_by<Jet<Value>>(p, [&](std::int32_t form) {
       return Jet<Value>{to.form(form, 0), to.form(form, 1), to.form(form, 2)};
@@ -296,7 +296,7 @@ StepProgram OutputProgram::output_step(Numbers numbers) const {
 }
 
 StepProgram OutputProgram::arm_step(Numbers numbers, std::size_t first_y) const {
-  Writer to(*this, numbers);
+  StepWriter to(*this, numbers);
   for (std::size_t i = 0; i < angles_.size(); ++i) {
     const auto [x, y] = arm_by<Value>(parts_[angles_[i]], [&](std::int32_t form) { return to.form(form, 0); });
     to.store(Memory::work, i, x);
@@ -307,16 +307,16 @@ StepProgram OutputProgram::arm_step(Numbers numbers, std::size_t first_y) const 
 
 StepProgram OutputProgram::change_step() const {
   using ArmDual = DualOf<Value>;
-  Writer to(*this, Numbers::loads);
-  to.each_linear(Writer::kChange, [&](std::int32_t column, const Value& value) { to.put(column, value); });
+  StepWriter to(*this, Numbers::loads);
+  to.each_linear(StepWriter::kChange, [&](std::int32_t column, const Value& value) { to.put(column, value); });
   std::size_t rounding = 0;
-  for (const Part& p : parts_) {
+  for (const Measured& p : parts_) {
     if (!p.is_signed_angle()) continue;
     const auto [x, y] = arm_by<Jet<ArmDual>>(p, [&](std::int32_t form) {
       ArmDual of[3];
       for (std::size_t d = 0; d < 3; ++d) {
         const Value value = to.form(form, d), size = p.arm >= 0 ? to.size_of_terms(form, d) : value;
-        of[d] = {value, to.form(form, d, Writer::kChange) + to.load(Memory::work, rounding++) * size};
+        of[d] = {value, to.form(form, d, StepWriter::kChange) + to.load(Memory::work, rounding++) * size};
       }
       return Jet<ArmDual>{of[0], of[1], of[2]};
     });
@@ -330,18 +330,19 @@ StepProgram OutputProgram::change_step() const {
 
 std::size_t OutputProgram::roundings() const {
   std::size_t sum = 0;
-  for (const Part& p : parts_) sum += p.is_signed_angle() ? 3 * idx(p.arm >= 0 ? 2 : p.forms_end - p.forms_begin) : 0;
+  for (const Measured& p : parts_)
+    sum += p.is_signed_angle() ? 3 * idx(p.arm >= 0 ? 2 : p.forms_end - p.forms_begin) : 0;
   return sum;
 }
 
 std::size_t OutputProgram::operations() const {
   constexpr std::size_t kOfAngle = 150;  // an estimate: operations of an angle with two derivatives
   const auto angles = static_cast<std::size_t>(
-      std::count_if(parts_.begin(), parts_.end(), [](const Part& p) { return p.is_signed_angle(); }));
+      std::count_if(parts_.begin(), parts_.end(), [](const Measured& p) { return p.is_signed_angle(); }));
   return 3 * (sum_terms_.size() + terms_.size()) + kOfAngle * angles;
 }
 
-std::int32_t OutputProgram::add_arm(const Part& part) {
+std::int32_t OutputProgram::add_arm(const Measured& part) {
   if (part.kind == MeasureForms::Kind::absolute_angle) return part.forms_begin;
   if (!find_arm(part)) return -1;
   const auto arm = static_cast<std::int32_t>(form_start_.size()) - 1;
@@ -353,7 +354,7 @@ std::int32_t OutputProgram::add_arm(const Part& part) {
   return arm;
 }
 
-bool OutputProgram::find_arm(const Part& part) {
+bool OutputProgram::find_arm(const Measured& part) {
   const std::int32_t count = dimension_;
   double constant[9] = {};  // of the forms that are constants
   bool is_constant[3] = {true, true, true};
@@ -388,7 +389,7 @@ bool OutputProgram::find_arm(const Part& part) {
 }
 
 // False if other terms take part.
-bool OutputProgram::renew_arm(const Part& part) {
+bool OutputProgram::renew_arm(const Measured& part) {
   if (part.arm < 0 || part.arm == part.forms_begin) return true;
   if (!find_arm(part)) return false;
   for (std::size_t i = 0; i < 2; ++i) {
@@ -425,7 +426,7 @@ void OutputProgram::arm(std::size_t i, const double* q, double& x, double& y) co
 }
 
 double OutputProgram::size_of_arm(std::size_t i, const double* q) const {
-  const Part& part = parts_[angles_[i]];
+  const Measured& part = parts_[angles_[i]];
   double size = 1;
   for (std::int32_t f = part.forms_begin; f < part.forms_end; f += dimension_) {  // f: first form of each vector
     double largest = 0;
@@ -442,15 +443,15 @@ double OutputProgram::size_of_arm(std::size_t i, const double* q) const {
 // output_step(), interpreted, takes 3 times as long for a four-bar, and 13 to 26 times as long for many outputs.
 void OutputProgram::evaluate(const double* const (&state)[3], double* out, const double* turns, double* divisors,
                              std::size_t part, std::size_t parts) const {
-  const std::span<const Part> among = share(parts_, part, parts);
+  const std::span<const Measured> among = share(parts_, part, parts);
   evaluate_linear(state, out, part, parts);
   evaluate_angles(state, out, turns, divisors, among);
   evaluate_others(state, out, divisors, 1, among);
 }
 
 void OutputProgram::evaluate_others(const double* const (&state)[3], double* out, double* divisors, std::size_t apart,
-                                    std::span<const Part> among) const {
-  for (const Part& measure : among) {
+                                    std::span<const Measured> among) const {
+  for (const Measured& measure : among) {
     if (measure.is_signed_angle()) continue;
     Jet<double> forms[9];
     evaluate_forms(measure, state, forms);
@@ -460,7 +461,7 @@ void OutputProgram::evaluate_others(const double* const (&state)[3], double* out
   }
 }
 
-void OutputProgram::put(const Part& measure, const Jet<double>& m, double* out, std::size_t apart) {
+void OutputProgram::put(const Measured& measure, const Jet<double>& m, double* out, std::size_t apart) {
   const double value[3] = {m.value, m.rate, m.acceleration};
   for (std::size_t d = 0; d < 3; ++d) {
     if (measure.column[d] >= 0) out[idx(measure.column[d]) * apart] = value[d] * measure.unit;
@@ -469,8 +470,8 @@ void OutputProgram::put(const Part& measure, const Jet<double>& m, double* out, 
 
 // Signed angles, eight side by side. Their unit is 1.
 void OutputProgram::evaluate_angles(const double* const (&state)[3], double* out, const double* turns, double* divisors,
-                                    std::span<const Part> among) const {
-  const Part* waiting[kAngleBlock];
+                                    std::span<const Measured> among) const {
+  const Measured* waiting[kAngleBlock];
   ArmOf<Jet<double>> arms[kAngleBlock];
   double x[kAngleBlock], y[kAngleBlock], angles[kAngleBlock];
   std::size_t count = 0;
@@ -481,14 +482,14 @@ void OutputProgram::evaluate_angles(const double* const (&state)[3], double* out
     }
     kernels_->angles(y, x, count, angles);
     for (std::size_t i = 0; i < count; ++i) {
-      const Part& measure = *waiting[i];
+      const Measured& measure = *waiting[i];
       divisors[&measure - parts_.data()] = x[i] * x[i] + y[i] * y[i];
       if (measure.angle >= 0) angles[i] += kTurn * turns[measure.angle];
       put(measure, angle_of<double>(angles[i], arms[i].y, arms[i].x), out);
     }
     count = 0;
   };
-  for (const Part& measure : among) {
+  for (const Measured& measure : among) {
     if (!measure.is_signed_angle()) continue;
     waiting[count] = &measure;
     arms[count] = arm_by<Jet<double>>(measure, [&](std::int32_t form) { return jet_of(form, state); });
@@ -500,18 +501,18 @@ void OutputProgram::evaluate_angles(const double* const (&state)[3], double* out
 void OutputProgram::differentiate(const double* const (&state)[3], const double* const (&change)[3], RandomSign* sign,
                                   double* out) const {
   evaluate_linear(change, out, 0, 1);
-  for (const Part& measure : parts_) differentiate(measure, state, change, sign, out, 1);
+  for (const Measured& measure : parts_) differentiate(measure, state, change, sign, out, 1);
   add_up_changes(out);
 }
 
 void OutputProgram::differentiate_others(const double* const (&state)[3], const double* const (&change)[3],
                                          RandomSign* sign, double* out, std::size_t apart) const {
-  for (const Part& measure : parts_) {
+  for (const Measured& measure : parts_) {
     if (!measure.is_signed_angle()) differentiate(measure, state, change, sign, out, apart);
   }
 }
 
-void OutputProgram::differentiate(const Part& measure, const double* const (&state)[3],
+void OutputProgram::differentiate(const Measured& measure, const double* const (&state)[3],
                                   const double* const (&change)[3], RandomSign* sign, double* out,
                                   std::size_t apart) const {
   const auto rounding = [&] { return sign != nullptr ? (*sign)() * kEps : 0; };
@@ -577,7 +578,7 @@ void OutputProgram::evaluate_linear(const double* const (&state)[3], double* out
   }
 }
 
-void OutputProgram::evaluate_forms(const Part& measure, const double* const (&state)[3],
+void OutputProgram::evaluate_forms(const Measured& measure, const double* const (&state)[3],
                                    Jet<double> (&forms)[9]) const {
   for (std::int32_t f = measure.forms_begin; f < measure.forms_end; ++f) {
     forms[f - measure.forms_begin] = jet_of(f, state);

@@ -186,7 +186,7 @@ class OutputProgram {
     evaluate_others(state, out, divisors, apart, parts_);
   }
   [[nodiscard]] bool has_others() const {
-    return std::any_of(parts_.begin(), parts_.end(), [](const Part& p) { return !p.is_signed_angle(); });
+    return std::any_of(parts_.begin(), parts_.end(), [](const Measured& p) { return !p.is_signed_angle(); });
   }
   // Adds up sums of measures from columns of the same row. To be called after evaluate(), with whole turns added.
   void add_up(double* out) const { add_up(out, 1); }
@@ -210,7 +210,7 @@ class OutputProgram {
 
     [[nodiscard]] bool is_like(const TermAt& o) const { return address == o.address; }
   };
-  struct Part {
+  struct Measured {
     MeasureForms::Kind kind;
     std::int32_t forms_begin, forms_end;
     double unit;
@@ -221,7 +221,7 @@ class OutputProgram {
     [[nodiscard]] bool is_signed_angle() const {
       return kind == MeasureForms::Kind::absolute_angle || kind == MeasureForms::Kind::signed_angle;
     }
-    [[nodiscard]] bool is_like(const Part& o) const {
+    [[nodiscard]] bool is_like(const Measured& o) const {
       return kind == o.kind && forms_begin == o.forms_begin && forms_end == o.forms_end && unit == o.unit &&
              column == o.column && angle == o.angle && arm == o.arm;
     }
@@ -237,23 +237,23 @@ class OutputProgram {
   struct Neighbours;
   void add_row(const Neighbours& neighbours);
   void evaluate_linear(const double* const (&state)[3], double* out, std::size_t part, std::size_t parts) const;
-  void evaluate_forms(const Part& measure, const double* const (&state)[3], Jet<double> (&forms)[9]) const;
+  void evaluate_forms(const Measured& measure, const double* const (&state)[3], Jet<double> (&forms)[9]) const;
   [[nodiscard]] Jet<double> jet_of(std::int32_t form, const double* const (&state)[3]) const;
   [[nodiscard]] Jet<double> size_of_terms(std::int32_t form, const double* const (&state)[3]) const;
   void evaluate_angles(const double* const (&state)[3], double* out, const double* turns, double* divisors,
-                       std::span<const Part> among) const;
+                       std::span<const Measured> among) const;
   // The arm of a signed angle. of(form): the form, a number or a jet
   template <class N, class Of>
-  [[nodiscard]] ArmOf<N> arm_by(const Part& measure, const Of& of) const {
+  [[nodiscard]] ArmOf<N> arm_by(const Measured& measure, const Of& of) const {
     if (measure.arm >= 0) return {of(measure.arm), of(measure.arm + 1)};
     N forms[9] = {};
     for (std::int32_t f = measure.forms_begin; f < measure.forms_end; ++f) forms[f - measure.forms_begin] = of(f);
     return arm_of<N>(measure.kind, {forms, 9}, dimension_);
   }
-  static void put(const Part& measure, const Jet<double>& m, double* out, std::size_t apart = 1);
+  static void put(const Measured& measure, const Jet<double>& m, double* out, std::size_t apart = 1);
   void evaluate_others(const double* const (&state)[3], double* out, double* divisors, std::size_t apart,
-                       std::span<const Part> among) const;
-  void differentiate(const Part& measure, const double* const (&state)[3], const double* const (&change)[3],
+                       std::span<const Measured> among) const;
+  void differentiate(const Measured& measure, const double* const (&state)[3], const double* const (&change)[3],
                      RandomSign* sign, double* out, std::size_t apart) const;
   [[nodiscard]] std::span<const TermAt> terms_of(std::int32_t form) const {
     const auto f = static_cast<std::size_t>(form);
@@ -261,11 +261,11 @@ class OutputProgram {
   }
   void add(const System& system, std::span<const std::int32_t> address, const OutputPart& part,
            const std::array<std::int32_t, 3>& column);
-  // Part::arm of a signed angle. Adds the two forms if one direction, and in space the axis, is constant.
-  [[nodiscard]] std::int32_t add_arm(const Part& part);
+  // Measured::arm of a signed angle. Adds the two forms if one direction, and in space the axis, is constant.
+  [[nodiscard]] std::int32_t add_arm(const Measured& part);
   // Finds the terms of these two forms, for x and y. False if there are none.
-  bool find_arm(const Part& part);
-  [[nodiscard]] bool renew_arm(const Part& part);
+  bool find_arm(const Measured& part);
+  [[nodiscard]] bool renew_arm(const Measured& part);
   // A form of the system, whose numbers are those of an output, times the unit.
   struct Source {
     Index form;
@@ -283,7 +283,7 @@ class OutputProgram {
     double factor;
   };
   void add_up(double* out, double constant) const;
-  class Writer;
+  class StepWriter;
   [[nodiscard]] std::size_t place_of_terms() const { return 1 + sum_terms_.size(); }  // among numbers()
 
   const AngleKernels* kernels_ = &angle_kernels();
@@ -299,7 +299,7 @@ class OutputProgram {
   std::vector<TermAt> sum_terms_;
   std::vector<TermAt> terms_;
   std::vector<std::int32_t> form_start_;
-  std::vector<Part> parts_;
+  std::vector<Measured> parts_;
   std::vector<std::size_t> angles_;  // parts
   std::vector<Source> of_sums_;
   std::vector<Index> of_forms_;       // those in form_start_: forms of the system; -1: of an arm

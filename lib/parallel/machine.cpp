@@ -53,7 +53,7 @@ Machine limits(const std::filesystem::path& root, const std::string& omp_num_thr
 
 }  // namespace
 
-void take(Machine& machine, const Topology& topology) {
+void add_topology(Machine& machine, const Topology& topology) {
   machine.cores = topology.cores;
   machine.caches = topology.caches;
   machine.numa_nodes = topology.numa_nodes;
@@ -87,7 +87,7 @@ Machine read_machine(const std::filesystem::path& root, const std::vector<int>& 
   machine.model = model_name(root);
   machine.instructions = instruction_set();
   machine.processors = static_cast<std::int32_t>(processors.size());
-  take(machine, topology_by_sysfs(processors, root));
+  add_topology(machine, topology_by_sysfs(processors, root));
   return machine;
 }
 

@@ -19,7 +19,7 @@ namespace assur {
 [[nodiscard]] Machine machine_by_sysfs();
 
 // Copies the topology to the machine.
-void take(Machine& machine, const Topology& topology);
+void add_topology(Machine& machine, const Topology& topology);
 
 // this_machine().budget() without hwloc, which takes milliseconds.
 [[nodiscard]] ThreadBudget available_budget();

@@ -8,7 +8,7 @@ Machine this_machine() {
   Machine machine = machine_by_sysfs();
   // If sysfs lists caches, it lists everything; hwloc takes milliseconds to load its plugins.
   if (!machine.caches.empty()) return machine;
-  if (const auto topology = topology_by_hwloc(allowed_processors())) take(machine, *topology);
+  if (const auto topology = topology_by_hwloc(allowed_processors())) add_topology(machine, *topology);
   return machine;
 }
 

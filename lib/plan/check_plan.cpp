@@ -28,9 +28,9 @@ bool are_starts(const std::vector<Index>& starts, std::size_t size) {
          std::is_sorted(starts.begin(), starts.end());
 }
 
-class Check {
+class PlanCheck {
  public:
-  explicit Check(const Preparation& prepared)
+  explicit PlanCheck(const Preparation& prepared)
       : prepared_(prepared), structure_(*prepared.structure), system_(*structure_.system) {}
 
   void run() {
@@ -455,6 +455,6 @@ class Check {
 
 }  // namespace
 
-void check_plan(const Preparation& prepared) { Check(prepared).run(); }
+void check_plan(const Preparation& prepared) { PlanCheck(prepared).run(); }
 
 }  // namespace assur

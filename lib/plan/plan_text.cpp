@@ -10,7 +10,7 @@ namespace assur {
 namespace {
 
 constexpr std::string_view kMagic = "assur plan ";
-constexpr std::int64_t kVersion = 8;
+constexpr std::int64_t kVersion = 8;  // others are refused; raise it with each change of plan_fields.hpp
 constexpr std::string_view kChecksum = "checksum ";
 constexpr std::size_t kChecksumDigits = 16;          // of the checksum
 constexpr std::size_t kPlanPiece = 1'000'000;        // bytes read at once

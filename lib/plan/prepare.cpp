@@ -9,10 +9,10 @@
 #include "dispatch/dispatcher.hpp"
 #include "dispatch/throughput.hpp"
 #include "dispatch/together_rules.hpp"
-#include "equations/derivatives.hpp"
 #include "executors/step_code.hpp"
 #include "graph/spins.hpp"
 #include "parallel/machine.hpp"
+#include "plan/function_check.hpp"
 #include "plan/preparation.hpp"
 #include "plan/prepare_at.hpp"
 #include "structure/same_structure.hpp"
@@ -126,15 +126,24 @@ std::shared_ptr<const GroupedSystem> structure_for(const Scene& scene, const Pre
   StructureOptions wanted;
   wanted.formulation = formulation;
   wanted.controlled = options.controlled;
-  if (predictor.kind == Predictor::Kind::taylor) wanted.predictor_derivatives = predictor.order;
-  if (predictor.kind == Predictor::Kind::hermite) wanted.predictor_derivatives = 2;
+  switch (predictor.kind) {
+    case Predictor::Kind::taylor:
+      wanted.predictor_derivatives = predictor.order;
+      break;
+    case Predictor::Kind::hermite:
+      wanted.predictor_derivatives = 2;
+      break;
+    case Predictor::Kind::past:
+    case Predictor::Kind::automatic:
+      break;
+  }
   auto structure = std::make_shared<const GroupedSystem>(group_equations(scene, wanted, start));
   refuse_undetermined(*structure);
   if (!structure->cannot_assemble.empty()) {
     // A wrong Jacobian may be the reason, and a check at the guess finds it.
     std::vector<Diagnostic> why{{"", structure->cannot_assemble}};
     const System& s = *structure->system;
-    const std::vector<Diagnostic> wrong = wrong_functions(s, s.guess, scene.time(), options.controlled);
+    const std::vector<Diagnostic> wrong = find_wrong_functions(s, s.guess, scene.time(), options.controlled);
     why.insert(why.end(), wrong.begin(), wrong.end());
     throw Error(Error::Kind::numerical, std::move(why));
   }
@@ -261,7 +270,7 @@ Choice choice_again(const Scene& scene, const PrepareOptions& options, const Kno
 Preparation finished(const Scene& scene, const PrepareOptions& options, Choice& choice, bool is_first) {
   if (is_first) {
     std::vector<Diagnostic> wrong =
-        wrong_functions(*choice.structure->system, choice.structure->start, scene.time(), options.controlled);
+        find_wrong_functions(*choice.structure->system, choice.structure->start, scene.time(), options.controlled);
     if (!wrong.empty()) throw Error(Error::Kind::input, std::move(wrong));
   }
   Preparation out;

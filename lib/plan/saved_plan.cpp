@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "index.hpp"
+#include "overloaded.hpp"
 #include "parallel/machine.hpp"
 #include "plan/check_plan.hpp"
 #include "plan/plan_fields.hpp"
@@ -110,15 +111,13 @@ void fit_threads(Plan& plan, const std::optional<ThreadBudget>& budget) {
 
 void fields(PlanWriter& write, const Law& law) {
   write(law.parts().size());
-  for (const Law::Part& part : law.parts()) {
-    if (const auto* polynomial = std::get_if<Law::Polynomial>(&part)) {
-      write(LawPart::polynomial, polynomial->coefficients);
-    } else if (const auto* harmonics = std::get_if<Law::Harmonics>(&part)) {
-      write(LawPart::harmonics, harmonics->offset, harmonics->terms);
-    } else if (const auto* table = std::get_if<Law::Spline>(&part)) {
-      write(LawPart::table, table->periodic, table->monotone, table->time, table->value);
-    }
-  }
+  const Overloaded write_part{
+      [&](const Law::Polynomial& p) { write(LawPart::polynomial, p.coefficients); },
+      [&](const Law::Harmonics& h) { write(LawPart::harmonics, h.offset, h.terms); },
+      [&](const Law::Spline& s) { write(LawPart::table, s.periodic, s.monotone, s.time, s.value); },
+      [](const Law::Function&) {},  // save_plan() has refused it
+  };
+  for (const Law::Part& part : law.parts()) std::visit(write_part, part);
 }
 
 // The spline of a table is computed again from its points.

@@ -7,11 +7,11 @@
 #include "evaluation/quadratic_equations-inl.hpp"
 #include "index.hpp"
 #include "program/anchor-inl.hpp"
-#include "program/graph.hpp"
 #include "program/group_slots.hpp"
 #include "program/group_tests-inl.hpp"
 #include "program/linear_steps.hpp"
 #include "program/needs.hpp"
+#include "program/step_graph.hpp"
 #include "program/step_rules.hpp"
 
 namespace assur {
@@ -244,14 +244,14 @@ class ClassWriter {
       needs_anchor = Tests::needs_anchor(used, in.ball_used());
       failed = failed + (used - used);
     }
-    const auto tell = [&](GroupFigure f, const Value& value) { graph_.store(slot_of(f), value); };
+    const auto store_figure = [&](GroupFigure f, const Value& value) { graph_.store(slot_of(f), value); };
     for (std::size_t j = 0; j < n_; ++j) graph_.store(slot(Memory::unknowns, j), s.x[j]);
-    tell(GroupFigure::failed, if_at_most(failed, kNone, kNone, kAll));
-    tell(GroupFigure::position, s.relative);
-    tell(GroupFigure::velocity, residuals[0]);
-    tell(GroupFigure::acceleration, residuals[1]);
-    tell(GroupFigure::ball_used, used);
-    tell(GroupFigure::needs_anchor, needs_anchor);
+    store_figure(GroupFigure::failed, if_at_most(failed, kNone, kNone, kAll));
+    store_figure(GroupFigure::position, s.relative);
+    store_figure(GroupFigure::velocity, residuals[0]);
+    store_figure(GroupFigure::acceleration, residuals[1]);
+    store_figure(GroupFigure::ball_used, used);
+    store_figure(GroupFigure::needs_anchor, needs_anchor);
   }
 
   void keep(const State& s) {

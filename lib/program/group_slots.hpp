@@ -6,8 +6,8 @@
 
 #include "evaluation/coefficients.hpp"
 #include "index.hpp"
-#include "program/graph.hpp"
 #include "program/group_step.hpp"
+#include "program/step_graph.hpp"
 #include "program/step_program.hpp"
 
 namespace assur {

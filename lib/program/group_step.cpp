@@ -3,10 +3,10 @@
 #include <algorithm>
 
 #include "index.hpp"
-#include "program/graph.hpp"
 #include "program/group_slots.hpp"
 #include "program/needs.hpp"
 #include "program/small_group-inl.hpp"
+#include "program/step_graph.hpp"
 
 namespace assur {
 namespace {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "evaluation/coefficients.hpp"
-#include "program/graph.hpp"
+#include "program/step_graph.hpp"
 #include "program/step_program.hpp"
 #include "structure/grouped_system.hpp"
 

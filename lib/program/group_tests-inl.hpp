@@ -97,8 +97,8 @@ struct GroupTests {
   // ratio: |Phi_i| over its scale; relative: the largest of them; before: that of the last posture. corrections: their
   // number with this one. may_vanish: see terms_may_vanish(). failed: 0, or positive if something else is unusual
   template <class Numbers>
-  static HWY_INLINE Progress judge(const Numbers& ratio, const L& converged, const L& relative, const L& before,
-                                   const L& corrections, bool may_vanish, L failed) {
+  static HWY_INLINE Progress progress(const Numbers& ratio, const L& converged, const L& relative, const L& before,
+                                      const L& corrections, bool may_vanish, L failed) {
     const L zero = L::set(0), one = L::set(1), open = is_open(ratio, converged);
     L falls = relative;  // above 0: slowly
     falls.subtract_product(before, L::set(0.25));

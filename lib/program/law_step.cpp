@@ -7,7 +7,7 @@
 
 #include "evaluation/angles-inl.hpp"
 #include "numbers.hpp"
-#include "program/graph.hpp"
+#include "program/step_graph.hpp"
 #include "scene/law_evaluate.hpp"
 
 namespace assur {

@@ -9,9 +9,9 @@
 #include "backends/lanes_elimination.hpp"
 #include "backends/lanes_factors.hpp"
 #include "index.hpp"
-#include "program/graph.hpp"
 #include "program/group_slots.hpp"
 #include "program/small_inverse-inl.hpp"
+#include "program/step_graph.hpp"
 #include "program/step_rules.hpp"
 
 namespace assur {

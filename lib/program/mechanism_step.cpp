@@ -7,8 +7,8 @@
 
 #include "equations/drive.hpp"
 #include "index.hpp"
-#include "program/graph.hpp"
 #include "program/group_step.hpp"
+#include "program/step_graph.hpp"
 
 namespace assur {
 namespace {

@@ -96,8 +96,8 @@ class SmallGroup {
       failed = if_at_most(s.iterations, zero, failed, contracts);
     }
     failed = if_at_most(failed + (relative - relative), zero, zero, one);  // also if it is not finite
-    const typename Tests::Progress progress = Tests::judge(ratio, in.setting(GroupSetting::converged_at), relative,
-                                                           s.relative, iterations, equations_.may_vanish(), failed);
+    const typename Tests::Progress progress = Tests::progress(ratio, in.setting(GroupSetting::converged_at), relative,
+                                                              s.relative, iterations, equations_.may_vanish(), failed);
     failed = progress.failed;
     const L still_open = progress.goes_on;
     const L too_many = if_at_most(in.setting(GroupSetting::most_iterations), iterations, one, failed);

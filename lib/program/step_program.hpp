@@ -12,7 +12,9 @@
 
 namespace assur {
 
-// a, b, c, d: operands, in this order.
+// a, b, c, d: operands, in this order. A new operation also needs operands_of() and kLastOp, its function in
+// step_graph.hpp, its value for constants, fold(), and `commutes` if a and b may change places (step_graph.cpp), both
+// executors (interpreter.cpp, machine_code.cpp), and apply() in executors_test.cpp.
 enum class Op : std::uint8_t {
   load,         // number in a slot
   pick,         // number a places behind a slot, for a whole a, all lanes from the same memory (Reach::one); the phase
@@ -31,6 +33,7 @@ enum class Op : std::uint8_t {
   larger,       // a > b ? a : b; the second if one is NaN
   select,       // a <= b ? c : d; d if a or b is NaN
 };
+inline constexpr Op kFirstArithmetic = Op::add, kLastOp = Op::select;
 
 // Number of operands that are values.
 [[nodiscard]] constexpr int operands_of(Op op) {
@@ -48,9 +51,15 @@ enum class Op : std::uint8_t {
       return 3;
     case Op::select:
       return 4;
-    default:
+    case Op::add:
+    case Op::subtract:
+    case Op::multiply:
+    case Op::divide:
+    case Op::copy_sign:
+    case Op::larger:
       return 2;
   }
+  return 0;
 }
 
 // Memory of a step.
@@ -93,7 +102,7 @@ enum class Memory : std::uint8_t {
   outputs,  // by column
   past,     // what the weights multiply, in kMostPast memories
 };
-inline constexpr std::size_t kMostPast = 6;
+inline constexpr std::size_t kMostPast = 6;  // past:5, or two postures with two derivatives
 // Changes of the unknowns for a load of 1, in a memory for each coupled row.
 inline constexpr std::size_t kMostCoupledRows = 3;  // equations of a group
 inline constexpr std::size_t kColumns = static_cast<std::size_t>(Memory::past) + kMostPast;

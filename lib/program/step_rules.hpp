@@ -44,6 +44,6 @@ inline constexpr std::array kAlongTheTube = {0.0, 0.25, 0.5, 0.75};  // parts of
 inline constexpr int kWithoutPivots = 3;      // so many unknowns are solved by cofactors, which need no pivots
 inline constexpr double kLinear = 8 * kEps;   // of a refined solution
 inline constexpr double kPivotsGrew = 1e-13;  // a direct solution has a smaller residual unless pivots grew
-inline constexpr int kMostRefinements = 6;
+inline constexpr int kMostRefinements = 6;    // a choice: each gains digits, or the pivots are bad
 
 }  // namespace assur

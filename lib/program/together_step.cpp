@@ -6,10 +6,10 @@
 #include "evaluation/quadratic_equations-inl.hpp"
 #include "index.hpp"
 #include "program/anchor-inl.hpp"
-#include "program/graph.hpp"
 #include "program/group_slots.hpp"
 #include "program/group_tests-inl.hpp"
 #include "program/linear_steps.hpp"
+#include "program/step_graph.hpp"
 #include "program/step_rules.hpp"
 
 namespace assur {
@@ -84,9 +84,11 @@ class TogetherWriter {
     for (std::size_t j = 0; j < from.size(); ++j) io_.store(memory, first + j, from[j]);
   }
   [[nodiscard]] Value figure(GroupFigure f) const { return io_.load(Memory::figures, static_cast<std::size_t>(f)); }
-  void tell(GroupFigure f, const Value& value) { io_.store(Memory::figures, static_cast<std::size_t>(f), value); }
+  void store_figure(GroupFigure f, const Value& value) {
+    io_.store(Memory::figures, static_cast<std::size_t>(f), value);
+  }
   // failed: 0, or anything else, even NaN
-  void tell_failed(const Value& failed) { tell(GroupFigure::failed, if_at_most(failed, kNone, kNone, kAll)); }
+  void store_failed(const Value& failed) { store_figure(GroupFigure::failed, if_at_most(failed, kNone, kNone, kAll)); }
 
   // The equations at the current posture.
   Values evaluate() {
@@ -134,16 +136,16 @@ class TogetherWriter {
     } else {
       failed = figure(GroupFigure::failed) + failed;
       const Tests::Progress progress =
-          Tests::judge(ratio, converged, left, io_.load(Memory::work, relative()),
-                       io_.setting(GroupSetting::corrections), terms_may_vanish(class_), failed);
+          Tests::progress(ratio, converged, left, io_.load(Memory::work, relative()),
+                          io_.setting(GroupSetting::corrections), terms_may_vanish(class_), failed);
       failed = progress.failed;
       open = progress.goes_on;
     }
     io_.store(Memory::work, relative(), left);
-    tell(GroupFigure::position, left);
-    tell(kOpen, open);
+    store_figure(GroupFigure::position, left);
+    store_figure(kOpen, open);
 
-    tell_failed(failed + inverse_.invert(jacobian()));
+    store_failed(failed + inverse_.invert(jacobian()));
     inverse_.keep(io_, inverse());
     Values rhs(n_);
     for (std::size_t i = 0; i < n_; ++i) rhs[i] = kNone - phi[i];
@@ -152,7 +154,7 @@ class TogetherWriter {
       store(static_cast<Memory>(kColumns + k), inverse_.column(idx(of_.couplings.equations[k])));
     }
     for (std::size_t e = 0; e < of_.couplings.entries.size(); ++e) {
-      const Couplings::Entry& entry = of_.couplings.entries[e];
+      const Couplings::Coupling& entry = of_.couplings.entries[e];
       const auto unit = [&](std::int32_t i) { return i == entry.input ? kAll : kNone; };
       io_.store(Memory::couplings, e, rhs_of_rates(unit)[idx(of_.couplings.equations[idx(entry.row)])]);
     }
@@ -161,12 +163,12 @@ class TogetherWriter {
   void approach() {
     Value largest = kNone, poison = kNone;
     for (const Value& x : load(Memory::change)) Tests::include(x, largest, poison);
-    for (const Couplings::Entry& e : of_.couplings.entries) {
+    for (const Couplings::Coupling& e : of_.couplings.entries) {
       Tests::include(io_.load(Memory::sources, idx(e.input)), largest, poison);
     }
     const Value used = Tests::times_omega(io_, largest) + poison;
     const Value limit = Value::set(largest_first_correction(0)) * (kAll - io_.ball_used());
-    tell_failed(figure(GroupFigure::failed) + exceeds(used, limit));
+    store_failed(figure(GroupFigure::failed) + exceeds(used, limit));
   }
 
   void find_own_rates() {
@@ -179,8 +181,8 @@ class TogetherWriter {
     (void)evaluate();
     const Values matrix = jacobian(), rate = load(Memory::rates);
     const Value residual = linear_residual(class_.pattern, matrix, rate, rhs_of_rates(inputs(1)));
-    tell(GroupFigure::velocity, residual);
-    tell_failed(figure(GroupFigure::failed) + exceeds(residual, Value::set(kPivotsGrew)));
+    store_figure(GroupFigure::velocity, residual);
+    store_failed(figure(GroupFigure::failed) + exceeds(residual, Value::set(kPivotsGrew)));
     if (class_.derivatives < 2) return;
     for (std::size_t j = 0; j < n_; ++j) equations_.rates().set(j, rate[j]);
     Values of_accelerations(n_);
@@ -199,12 +201,12 @@ class TogetherWriter {
         of_row = of_row + io_.load(Memory::loads, k);
       }
       const Value residual = linear_residual(class_.pattern, jacobian(), load(Memory::accelerations), right);
-      tell(GroupFigure::acceleration, residual);
-      tell_failed(figure(GroupFigure::failed) + exceeds(residual, Value::set(kPivotsGrew)));
+      store_figure(GroupFigure::acceleration, residual);
+      store_failed(figure(GroupFigure::failed) + exceeds(residual, Value::set(kPivotsGrew)));
     }
     const Value used = Tests::ball_use(io_, of_.reads.size(), [&](std::size_t k) { return at(k); });
-    tell(GroupFigure::ball_used, used);
-    tell(GroupFigure::needs_anchor, Tests::needs_anchor(used, io_.ball_used()));
+    store_figure(GroupFigure::ball_used, used);
+    store_figure(GroupFigure::needs_anchor, Tests::needs_anchor(used, io_.ball_used()));
   }
 
   void renew_anchors() {

@@ -49,13 +49,13 @@ struct TogetherShape {
 // What the equations of a class read of other groups.
 struct Couplings {
   // -H of an equation and an input. Entries with the same row and part read the same group everywhere.
-  struct Entry {
+  struct Coupling {
     std::int32_t row, input;
     std::int32_t part = 0;
   };
 
   std::vector<std::int32_t> equations;  // coupled rows -> equations
-  std::vector<Entry> entries;           // by rows, and then by parts
+  std::vector<Coupling> entries;        // by rows, and then by parts
 
   [[nodiscard]] std::int32_t rows() const { return static_cast<std::int32_t>(equations.size()); }
 };

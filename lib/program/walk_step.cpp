@@ -6,8 +6,8 @@
 #include "evaluation/quadratic_equations-inl.hpp"
 #include "index.hpp"
 #include "numbers.hpp"
-#include "program/graph.hpp"
 #include "program/linear_steps.hpp"
+#include "program/step_graph.hpp"
 #include "start/walk.hpp"
 
 namespace assur {

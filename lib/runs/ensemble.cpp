@@ -16,7 +16,7 @@
 #include "program/needs.hpp"
 #include "runs/bound_members.hpp"
 #include "runs/memory.hpp"
-#include "runs/row_takers.hpp"
+#include "runs/row_consumers.hpp"
 #include "runs/tiles.hpp"
 #include "runs/work_queue.hpp"
 #include "simulation/run_arguments.hpp"
@@ -141,7 +141,7 @@ struct Ensemble::Impl {
     std::span<const double> times;
     std::vector<std::size_t>& rows;  // receives the number of rows of each member
     double* values = nullptr;        // members x times x columns, or
-    std::function<RowTaker&(std::size_t member)> taker = {};
+    std::function<RowConsumer&(std::size_t member)> consumer = {};
     std::size_t columns = 0;
 
     [[nodiscard]] double* values_of(std::size_t member) const { return values + member * times.size() * columns; }
@@ -180,7 +180,7 @@ struct Ensemble::Impl {
   // A member that runs alone.
   struct LoneRun {
     std::size_t member = 0;
-    RowTaker* taker = nullptr;
+    RowConsumer* consumer = nullptr;
     Report report;
     bool begun = false;
   };
@@ -202,7 +202,7 @@ struct Ensemble::Impl {
     const std::size_t tiles = pieces.size();
     std::vector<LoneRun> alone;
     for (const auto& [i, other] : others) {
-      alone.push_back({i, results.values == nullptr ? &results.taker(i) : nullptr, {}, false});
+      alone.push_back({i, results.values == nullptr ? &results.consumer(i) : nullptr, {}, false});
     }
     run_queue(
         team_for(tiles + alone.size()), tiles + alone.size(),
@@ -299,7 +299,7 @@ struct Ensemble::Impl {
       if (results.values != nullptr) {
         runs[i].rows = results.values_of(members[i]);
       } else {
-        runs[i].taker = &results.taker(members[i]);
+        runs[i].consumer = &results.consumer(members[i]);
       }
     }
   }
@@ -339,11 +339,11 @@ struct Ensemble::Impl {
     }
     const Trajectory t = simulator->run(
         results.times, [&](std::int64_t done, std::int64_t) { return !proceed(static_cast<std::size_t>(done)); });
-    if (run.taker == nullptr) {
+    if (run.consumer == nullptr) {
       std::copy(t.values().begin(), t.values().end(), results.values_of(run.member));
     } else {
-      for (std::size_t k = 0; k < t.rows(); ++k) run.taker->take(t.times()[k], t.row(k).data());
-      if (t.rows() > 0) run.taker->finish();
+      for (std::size_t k = 0; k < t.rows(); ++k) run.consumer->add_row(t.times()[k], t.row(k).data());
+      if (t.rows() > 0) run.consumer->finish();
     }
     run.report = simulator->report();
     results.rows[run.member] = t.rows();
@@ -472,7 +472,7 @@ EnsembleTrajectory Ensemble::run(const std::vector<std::string>& columns, std::s
   out.values_ = shared_rows(members() * size);
   std::vector<RowStore> stores;
   for (std::size_t i = 0; i < members(); ++i) stores.emplace_back(indices, out.values_.get() + i * size);
-  impl_->run({out.times_, out.rows_, nullptr, [&](std::size_t i) -> RowTaker& { return stores[i]; }}, observer);
+  impl_->run({out.times_, out.rows_, nullptr, [&](std::size_t i) -> RowConsumer& { return stores[i]; }}, observer);
   for (const std::size_t rows : out.rows_) {
     impl_->report.counters.stored_values += static_cast<std::int64_t>(rows * columns.size());
   }
@@ -496,7 +496,7 @@ EnsembleSummary Ensemble::summarize(const std::vector<std::string>& columns, std
   for (std::size_t i = 0; i < members(); ++i) {
     summaries.emplace_back(indices, std::span(out.values_).subspan(i * columns.size(), columns.size()));
   }
-  impl_->run({times, out.rows_, nullptr, [&](std::size_t i) -> RowTaker& { return summaries[i]; }}, observer);
+  impl_->run({times, out.rows_, nullptr, [&](std::size_t i) -> RowConsumer& { return summaries[i]; }}, observer);
   return out;
 }
 
@@ -511,7 +511,7 @@ void Ensemble::stream(const RowSelection& selection, const RowSink& sink, std::s
   std::vector<RowStream> streams;
   for (std::size_t i = 0; i < members(); ++i) streams.emplace_back(i, indices, selection, sink);
   std::vector<std::size_t> rows;
-  impl_->run({times, rows, nullptr, [&](std::size_t i) -> RowTaker& { return streams[i]; }}, observer);
+  impl_->run({times, rows, nullptr, [&](std::size_t i) -> RowConsumer& { return streams[i]; }}, observer);
 }
 
 void Ensemble::bind(std::vector<double> values) {

@@ -7,7 +7,7 @@
 #include "parallel/thread_state.hpp"
 #include "runs/chunks.hpp"
 #include "runs/memory.hpp"
-#include "runs/row_takers.hpp"
+#include "runs/row_consumers.hpp"
 #include "simulation/run_arguments.hpp"
 #include "simulation/simulator_access.hpp"
 #include "simulation/simulator_impl.hpp"
@@ -81,7 +81,7 @@ std::size_t Simulator::stream(const RowSelection& selection, const RowSink& sink
   in_blocks.block = std::min(selection.block, kMostRowsInBlock);
   RowStream rows(0, columns, in_blocks, sink);
   reset();
-  const std::size_t reached = each_row(count, time_of, observer, [&](double t) { rows.take(t, impl_->row.data()); });
+  const std::size_t reached = each_row(count, time_of, observer, [&](double t) { rows.add_row(t, impl_->row.data()); });
   rows.finish();
   return reached;
 }

@@ -70,8 +70,8 @@ void SideBySide::write_row(int lane, LaneRun& run, std::size_t row) {
 
 // Once for each row: a step that fails is tried again from the row before it.
 void SideBySide::give_row(LaneRun& run, std::size_t row) const {
-  if (run.taker == nullptr || row < run.taken) return;
-  run.taker->take(run.times[row], run.row(row, columns().size()));
+  if (run.consumer == nullptr || row < run.taken) return;
+  run.consumer->add_row(run.times[row], run.row(row, columns().size()));
   run.taken = row + 1;
 }
 
@@ -210,7 +210,7 @@ void SideBySide::run(std::span<LaneRun* const> lanes, const std::function<bool()
   stopped_ = false;
   latest_.resize(lanes.size() * columns().size());
   for (std::size_t i = 0; i < lanes.size(); ++i) {
-    if (lanes[i]->taker != nullptr) lanes[i]->rows = latest_.data() + i * columns().size();
+    if (lanes[i]->consumer != nullptr) lanes[i]->rows = latest_.data() + i * columns().size();
   }
   for (std::size_t row = 0; !together.empty();) {
     std::vector<const Variant*> variants;

@@ -12,20 +12,20 @@
 
 #include "assur/report.hpp"
 #include "runs/bound_members.hpp"
-#include "runs/row_takers.hpp"
+#include "runs/row_consumers.hpp"
 #include "runs/tile.hpp"
 
 namespace assur {
 
 // One mechanism over its times.
 struct LaneRun {
-  Variant variant;                // unless it is a bound member
-  std::size_t member = 0;         // of BoundMembers
-  bool unbound = false;           // true: the member was not bound and has not run, because it must be prepared
-  std::span<const double> times;  // the first one is that of the variant
-  double* rows = nullptr;         // receives the first `split` rows of results; `beyond` the others
-  RowTaker* taker = nullptr;      // not null: takes each row, and only the latest one is kept
-  std::size_t taken = 0;          // rows that the taker has
+  Variant variant;                  // unless it is a bound member
+  std::size_t member = 0;           // of BoundMembers
+  bool unbound = false;             // true: the member was not bound and has not run, because it must be prepared
+  std::span<const double> times;    // the first one is that of the variant
+  double* rows = nullptr;           // receives the first `split` rows of results; `beyond` the others
+  RowConsumer* consumer = nullptr;  // not null: is given each row, and only the latest one is kept
+  std::size_t taken = 0;            // rows that the consumer has
   double* beyond = nullptr;
   std::size_t split = static_cast<std::size_t>(-1);
   std::size_t done = 0;  // rows filled
@@ -45,7 +45,7 @@ struct LaneRun {
   std::vector<double> uniqueness;  // see Tile::uniqueness(), at the start; if a posture is wanted
 
   [[nodiscard]] double* row(std::size_t k, std::size_t columns) const {
-    if (taker != nullptr) return rows;
+    if (consumer != nullptr) return rows;
     return k < split ? rows + k * columns : beyond + (k - split) * columns;
   }
 };

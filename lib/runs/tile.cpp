@@ -40,11 +40,11 @@ Tile::Tile(const Preparation& prepared, const StepSettings& settings)
   state_.resize(layout_.first_unknown, layout_.size, prepared.plan.run.predictor);
   const System& system = *structure_->system;
   limit_events_.resize(idx(lanes_));
-  mechanisms_.reserve(idx(lanes_));
+  conditions_.reserve(idx(lanes_));
   for (std::size_t lane = 0; lane < idx(lanes_); ++lane) {
-    mechanisms_.emplace_back(*structure_, layout_, lane);
+    conditions_.emplace_back(*structure_, layout_, lane);
   }
-  mechanisms_[0].bind(system, false);
+  conditions_[0].bind(system, false);
   bow_times_.resize(idx(lanes_));
   turns_.use(output_steps_);
   estimate_.use(output_steps_);
@@ -57,7 +57,7 @@ Tile::Tile(const Preparation& prepared, const StepSettings& settings)
     for (const std::int32_t a : pack.inputs) read[idx(a)] = 1;
   }
   outputs_[0].mark(read);
-  mechanisms_[0].mark(read);
+  conditions_[0].mark(read);
   for (std::size_t c = 0; c < needed.size(); ++c) {
     const auto own = static_cast<std::int32_t>(c) * lanes_;  // address, unless it is a copy
     needed[c] = layout_.address[c] == own ? read[idx(own)] : std::uint8_t{0};
@@ -114,7 +114,7 @@ Status Tile::start(std::span<const Variant* const> variants, bool alike) {
   const Status s = solve(times, Attempt::Branch::start);
   if (!s.ok()) return s;
   for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
-    mechanisms_[lane].begin({state_.at(0) + lane, state_.at(1) + lane, state_.at(2) + lane});
+    conditions_[lane].begin({state_.at(0) + lane, state_.at(1) + lane, state_.at(2) + lane});
   }
   turns_.start(state_.at(0));
   accept(times);
@@ -130,7 +130,7 @@ void Tile::begin_bows() {
     bows_.resize(layout_, laws, idx(lanes_));
     for (LaneArray& v : known_) v.assign(layout_.size, 0.0);
   }
-  for (Mechanism& m : mechanisms_) m.clear();
+  for (MotionConditions& m : conditions_) m.clear();
   bows_.clear();
   bends_ = false;
   const std::vector<double> none(laws, 0.0);
@@ -155,8 +155,8 @@ void Tile::bind(bool alike) {
   auto news = OutputSteps::News::none;
   for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
     news = std::max(news, bind_programs(lane));
-    mechanisms_[lane].bind(*variants_[lane]->system, variants_[lane]->reselect != nullptr);
-    mechanisms_[lane].check_inputs(driven_.inputs);
+    conditions_[lane].bind(*variants_[lane]->system, variants_[lane]->reselect != nullptr);
+    conditions_[lane].check_inputs(driven_.inputs);
   }
   output_steps_.bind(variants_.size(), news);
   std::vector<const System*> systems;
@@ -248,7 +248,7 @@ Status Tile::step(std::span<const double> times) {
   bows_.begin_step();
   predict(times);
   Status s = solve(times, Attempt::Branch::inside);
-  if (s.ok() && mechanisms_[0].limits() != nullptr) s = check_limits(times);
+  if (s.ok() && conditions_[0].limits() != nullptr) s = check_limits(times);
   if (!s.ok()) {
     state_.restore();
     return s;
@@ -305,14 +305,14 @@ Status Tile::solve_all(std::span<const double> times, Attempt::Branch branch, St
   }
   const auto seconds = [&](std::size_t lane) { return inside ? times[lane] - now_[lane] : 0; };
   for (std::size_t lane = 0; lane < driven_lanes_; ++lane) {
-    if (const Status s = check_levers(Mechanism::Levers::known, lane, seconds(lane)); !s.ok()) return s;
+    if (const Status s = check_levers(MotionConditions::Levers::known, lane, seconds(lane)); !s.ok()) return s;
   }
   std::size_t failed = 0;
   const Status solved = whole ? in_lane(whole_->finish(q, attempt, counters_, errors, failed))
                               : solve_packs(times, branch, converged, errors);
   if (!solved.ok()) return solved;
   for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
-    if (const Status s = check_levers(Mechanism::Levers::unknown, lane, seconds(lane)); !s.ok()) return s;
+    if (const Status s = check_levers(MotionConditions::Levers::unknown, lane, seconds(lane)); !s.ok()) return s;
   }
   if (const Status s = check_redundant(times, branch, errors); !s.ok()) return s;
   if (const Status s = check_sets(); !s.ok()) return s;
@@ -364,7 +364,7 @@ void Tile::measure_bows(std::span<const double> times) {
   });
   for (Pack& pack : layout_.packs) pack.factored = false;
   for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
-    mechanisms_[lane].measure({q[0] + lane, q[1] + lane, q[2] + lane}, bows_, known_[0]);
+    conditions_[lane].measure({q[0] + lane, q[1] + lane, q[2] + lane}, bows_, known_[0]);
   }
   turns_.measure(q[0], bows_.probes(), known_[0]);
   (void)drive(times);
@@ -380,7 +380,7 @@ bool Tile::polish() {
   }
   state_.replace();
   if (at_rest_ > 0) state_.spread_known();
-  for (Mechanism& m : mechanisms()) m.accept(0, true);
+  for (MotionConditions& m : conditions()) m.accept(0, true);
   turns_.accept(0);
   has_outputs_ = false;
   return true;
@@ -420,7 +420,7 @@ void Tile::measure_errors(std::span<const double> times, std::span<const double*
   const double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
   const bool redundant = !structure_->watch_class.equations.empty();
   for (std::size_t lane = 0; lane < variants_.size() && redundant; ++lane) {
-    estimate_.contradict(lane, mechanisms_[lane].contradiction(state_.at(0) + lane));
+    estimate_.contradict(lane, conditions_[lane].contradiction(state_.at(0) + lane));
   }
   estimate_.measure(times, q, rows, divisors_.data(), [&](const auto& work) {
     for (std::size_t p = 0; p < layout_.packs.size(); ++p) work(p, *layout_.solvers[idx(layout_.packs[p].group_class)]);
@@ -438,9 +438,9 @@ Status Tile::accuracy(int lane) const {
   return {Code::inaccurate, layout_.packs.empty() ? Place{} : Place::group(group), estimate_.now(idx(lane)).worst()};
 }
 
-Status Tile::check_levers(Mechanism::Levers which, std::size_t lane, double seconds) const {
-  if (!mechanisms_[lane].has(which)) return {};
-  Status s = mechanisms_[lane].check_levers(
+Status Tile::check_levers(MotionConditions::Levers which, std::size_t lane, double seconds) const {
+  if (!conditions_[lane].has(which)) return {};
+  Status s = conditions_[lane].check_levers(
       which, {state_.accepted(0) + lane, state_.accepted(1) + lane, state_.accepted(2) + lane},
       {state_.at(0) + lane, state_.at(1) + lane, state_.at(2) + lane}, seconds, bows_.times(lane));
   if (!s.ok()) s.where = Place::lane(static_cast<std::int32_t>(lane));
@@ -452,7 +452,7 @@ Status Tile::check_redundant(std::span<const double> times, Attempt::Branch bran
   std::size_t worst = 0;
   bool is_solved = true;
   Status s = check_watched(
-      mechanisms(), state_.at(0), branch == Attempt::Branch::inside ? converged_ : kConverged,
+      conditions(), state_.at(0), branch == Attempt::Branch::inside ? converged_ : kConverged,
       settings_.iterations == 0,
       [&] {
         const Status corrected = solve_packs(times, branch, 0, errors);
@@ -468,7 +468,7 @@ Status Tile::check_redundant(std::span<const double> times, Attempt::Branch bran
 Status Tile::check_sets() {
   if (structure_->watch_class.equations.empty()) return {};
   for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
-    const double largest = mechanisms_[lane].largest_coefficient(state_.at(0) + lane, counters_.branch_checks);
+    const double largest = conditions_[lane].largest_coefficient(state_.at(0) + lane, counters_.branch_checks);
     if (!(largest <= 2 * kPoorSet)) return {Code::singular, Place::lane(static_cast<std::int32_t>(lane)), largest};
   }
   return {};
@@ -482,11 +482,11 @@ Status Tile::follow_angles(double seconds) {
   if (!turns_.empty()) {
     for (std::size_t lane = 0; lane < variants_.size(); ++lane) bow_times_[lane] = bows_.times(lane);
     const AngleTurns::Followed found = turns_.follow(state_.at(0), seconds, bow_times_, variants_.size());
-    if (found.way != AngleTurns::Way::known) return turned_unseen(found.lane);
+    if (found.turned != AngleTurns::Turned::known) return turned_unseen(found.lane);
   }
-  for (std::size_t lane = 0; lane < variants_.size() && mechanisms_[lane].is_followed(); ++lane) {
-    const AngleTurns::Way way = mechanisms_[lane].follow_angles(state_.at(0) + lane, seconds, bows_.times(lane));
-    if (way != AngleTurns::Way::known) return turned_unseen(lane);
+  for (std::size_t lane = 0; lane < variants_.size() && conditions_[lane].is_followed(); ++lane) {
+    const AngleTurns::Turned turned = conditions_[lane].follow_angles(state_.at(0) + lane, seconds, bows_.times(lane));
+    if (turned != AngleTurns::Turned::known) return turned_unseen(lane);
   }
   return {};
 }
@@ -495,7 +495,7 @@ void Tile::accept(std::span<const double> times) {
   state_.accept(times[0]);
   lanes_accepted_ = driven_lanes_;
   for (std::size_t lane = 0; lane < driven_lanes_; ++lane) drive_[lane]->accept();
-  for (Mechanism& m : mechanisms()) m.accept(times[0] - now_[0]);
+  for (MotionConditions& m : conditions()) m.accept(times[0] - now_[0]);
   turns_.accept(times[0] - now_[0]);
   has_outputs_ = false;
   now_.assign(times.begin(), times.end());
@@ -505,9 +505,9 @@ void Tile::accept(std::span<const double> times) {
 Status Tile::begin_limits() {
   for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
     limit_events_[lane].clear();
-    for (const LimitWatch::Change& outside : mechanisms_[lane].begin_limits(
+    for (const LimitWatch::Change& outside : conditions_[lane].begin_limits(
              {state_.at(0) + lane, state_.at(1) + lane, state_.at(2) + lane}, now_[lane], variants_[lane]->limited)) {
-      const LimitWatch& limits = *mechanisms_[lane].limits();
+      const LimitWatch& limits = *conditions_[lane].limits();
       if (limits.ends(outside)) return {Code::limit_reached, Place::lane(static_cast<std::int32_t>(lane)), 0};
       limit_events_[lane].push_back(limits.event(outside));
     }
@@ -518,13 +518,13 @@ Status Tile::begin_limits() {
 // A lane whose motion ends, or whose limits the ends of the step do not show, must go on alone.
 Status Tile::check_limits(std::span<const double> times) {
   const auto may_change = [&](std::size_t lane) {
-    return mechanisms_[lane].limits()->may_change({state_.at(0) + lane, state_.at(1) + lane, state_.at(2) + lane},
+    return conditions_[lane].limits()->may_change({state_.at(0) + lane, state_.at(1) + lane, state_.at(2) + lane},
                                                   times[lane]);
   };
   std::vector<std::size_t> lanes;
   for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
     if (may_change(lane)) lanes.push_back(lane);
-    if (mechanisms_[lane].limits()->hides_change(bows_.times(lane))) {
+    if (conditions_[lane].limits()->hides_change(bows_.times(lane))) {
       for (Pack& pack : layout_.packs) pack.undo(attempts_);
       return {Code::branch_unknown, Place::lane(static_cast<std::int32_t>(lane)), 0};
     }
@@ -537,7 +537,7 @@ Status Tile::check_limits(std::span<const double> times) {
   std::vector<double> probe(times.size());
   std::vector<std::vector<Event>> found(variants_.size());
   for (const std::size_t lane : lanes) {
-    const auto changes = mechanisms_[lane].limits()->changes([&](double t) -> const double* {
+    const auto changes = conditions_[lane].limits()->changes([&](double t) -> const double* {
       for (std::size_t i = 0; i < probe.size(); ++i) probe[i] = i == lane ? t : now_[i] + (t - now_[lane]);
       state_.predict(probe[0]);
       ++attempts_;
@@ -547,9 +547,9 @@ Status Tile::check_limits(std::span<const double> times) {
       return s.ok() ? state_.at(0) + lane : nullptr;
     });
     for (const LimitWatch::Change& c : changes) {
-      if (mechanisms_[lane].limits()->ends(c))
+      if (conditions_[lane].limits()->ends(c))
         return {Code::limit_reached, Place::lane(static_cast<std::int32_t>(lane)), 0};
-      found[lane].push_back(mechanisms_[lane].limits()->event(c));
+      found[lane].push_back(conditions_[lane].limits()->event(c));
     }
   }
   state_.predict(times[0]);

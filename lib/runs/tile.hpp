@@ -17,7 +17,7 @@
 #include "errors/error_estimate.hpp"
 #include "motion/bows.hpp"
 #include "motion/layout.hpp"
-#include "motion/mechanism.hpp"
+#include "motion/motion_conditions.hpp"
 #include "motion/state.hpp"
 #include "motion/whole_step.hpp"
 #include "outputs/angle_turns.hpp"
@@ -79,7 +79,7 @@ class Tile {
 
   // The limited quantities of one variant, as in Preparation::start_limits.
   [[nodiscard]] std::vector<double> limited(int lane) const {
-    return mechanisms_[static_cast<std::size_t>(lane)].limited();
+    return conditions_[static_cast<std::size_t>(lane)].limited();
   }
   // Moves the events at limits of one variant to the end of a list.
   void take_events(int lane, std::vector<Event>& to);
@@ -131,14 +131,14 @@ class Tile {
   void begin_bows();
   [[nodiscard]] Status check_bows(std::span<const double> times);
   void measure_bows(std::span<const double> times);
-  [[nodiscard]] Status check_levers(Mechanism::Levers which, std::size_t lane, double seconds) const;
+  [[nodiscard]] Status check_levers(MotionConditions::Levers which, std::size_t lane, double seconds) const;
   [[nodiscard]] Status follow_angles(double seconds);
   void evaluate_outputs();
   [[nodiscard]] Status begin_limits();
   [[nodiscard]] Status check_limits(std::span<const double> times);
   void accept(std::span<const double> times);
   // Those in use.
-  [[nodiscard]] std::span<Mechanism> mechanisms() { return std::span(mechanisms_).first(variants_.size()); }
+  [[nodiscard]] std::span<MotionConditions> conditions() { return std::span(conditions_).first(variants_.size()); }
 
   std::shared_ptr<const GroupedSystem> structure_;
   StepSettings settings_;
@@ -164,7 +164,7 @@ class Tile {
   LaneArray rows_, divisors_;  // columns x lanes, measures x lanes
   bool has_outputs_ = false;   // they are those of the current posture
   AngleTurns turns_;
-  std::vector<Mechanism> mechanisms_;             // lanes
+  std::vector<MotionConditions> conditions_;      // lanes
   std::vector<std::vector<Event>> limit_events_;  // lanes: not taken yet
   ErrorEstimate estimate_;
   State state_;

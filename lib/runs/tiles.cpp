@@ -56,7 +56,7 @@ void Tiles::run(int rank, std::span<LaneRun> runs, std::size_t tile,
     return proceed(rows);
   });
   for (const LaneRun* run : together) {
-    if (run->taker != nullptr && run->done > 0) run->taker->finish();
+    if (run->consumer != nullptr && run->done > 0) run->consumer->finish();
   }
 }
 

@@ -35,7 +35,7 @@ Option omega(double value, std::string_view meaning) { return real("omega", valu
 Option step(double value) { return real("step", value, 1e-12, 1e12, "time step, s"); }
 Option steps(double value) { return count("steps", value, 1, 1e12, "number of time steps"); }
 
-std::vector<Sample> make_table() {
+std::vector<SampleMechanism> make_table() {
   return {
       {"almost_parallelogram",
        "four-bar that differs from a parallelogram by delta",
@@ -146,9 +146,9 @@ std::vector<Sample> make_table() {
 
 std::string_view name_of(std::string_view text) { return text.substr(0, text.find(':')); }
 
-const Sample* find(std::string_view name) {
+const SampleMechanism* find(std::string_view name) {
   const auto rows = table();
-  const auto row = std::find_if(rows.begin(), rows.end(), [name](const Sample& s) { return s.name == name; });
+  const auto row = std::find_if(rows.begin(), rows.end(), [name](const SampleMechanism& s) { return s.name == name; });
   return row == rows.end() ? nullptr : &*row;
 }
 
@@ -158,10 +158,10 @@ const SceneFile* find_file(std::string_view name) {
   return file == files.end() ? nullptr : &*file;
 }
 
-const Sample& find_or_refuse(std::string_view name) {
-  if (const Sample* row = find(name)) return *row;
+const SampleMechanism& find_or_refuse(std::string_view name) {
+  if (const SampleMechanism* row = find(name)) return *row;
   std::vector<std::string_view> names;
-  for (const Sample& row : table()) names.push_back(row.name);
+  for (const SampleMechanism& row : table()) names.push_back(row.name);
   for (const SceneFile& file : scene_files()) names.push_back(file.name);
   std::sort(names.begin(), names.end());
   const std::string near = suggestion(name, names);
@@ -226,7 +226,7 @@ Scene read(const SceneFile& file, std::string_view options, const Parameters& se
 // One call of a sample, with its options.
 class Request {
  public:
-  explicit Request(const Sample& row) : row_(row), values_(row.options) {}
+  explicit Request(const SampleMechanism& row) : row_(row), values_(row.options) {}
 
   // Reads the text after the colon: "64", or "legs=8,omega=2".
   void read(std::string_view text) {
@@ -297,7 +297,7 @@ class Request {
     refuse(text.append(row_.name).append(":").append(usage).append(" or some of these options"));
   }
 
-  const Sample& row_;
+  const SampleMechanism& row_;
   Values values_;
 };
 
@@ -327,8 +327,8 @@ std::string SceneFile::summary() const {
   return words.substr(0, std::min({words.find(". "), words.find(": "), words.find(" (")}));
 }
 
-std::span<const Sample> table() {
-  static const std::vector<Sample> rows = make_table();
+std::span<const SampleMechanism> table() {
+  static const std::vector<SampleMechanism> rows = make_table();
   return rows;
 }
 

@@ -45,7 +45,7 @@ class Values {
   std::vector<Number> value_;
 };
 
-struct Sample {
+struct SampleMechanism {
   std::string_view name;
   std::string_view summary;
   std::string_view counted;  // the option that a bare number sets: 64 of "four_bar:64"; "" if there is none
@@ -55,7 +55,7 @@ struct Sample {
 };
 
 // Every sample, in alphabetic order.
-[[nodiscard]] std::span<const Sample> table();
+[[nodiscard]] std::span<const SampleMechanism> table();
 
 // A scene file of scenes/; its parameters are the options.
 struct SceneFile {

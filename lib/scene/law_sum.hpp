@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "assur/law.hpp"
+#include "overloaded.hpp"
 
 namespace assur {
 
@@ -24,18 +25,18 @@ namespace assur {
     for (auto& x : numbers) x *= factor;
     return numbers;
   };
+  const Overloaded times_factor{
+      [&](const Law::Polynomial& p) { return Law::polynomial(scaled(p.coefficients)); },
+      [&](const Law::Harmonics& h) {
+        std::vector<Harmonic> terms = h.terms;
+        for (Harmonic& term : terms) term.amplitude *= factor;
+        return Law::harmonics(std::move(terms), factor * h.offset);
+      },
+      [&](const Law::Spline& s) { return Law::table(s.time, scaled(s.value), s.periodic, s.monotone); },
+      [](const Law::Function&) { return Law(); },
+  };
   std::vector<Law> parts;
-  for (const Law::Part& part : law.parts()) {
-    if (const auto* p = std::get_if<Law::Polynomial>(&part)) {
-      parts.push_back(Law::polynomial(scaled(p->coefficients)));
-    } else if (const auto* h = std::get_if<Law::Harmonics>(&part)) {
-      std::vector<Harmonic> terms = h->terms;
-      for (Harmonic& term : terms) term.amplitude *= factor;
-      parts.push_back(Law::harmonics(std::move(terms), factor * h->offset));
-    } else if (const auto* s = std::get_if<Law::Spline>(&part)) {
-      parts.push_back(Law::table(s->time, scaled(s->value), s->periodic, s->monotone));
-    }
-  }
+  for (const Law::Part& part : law.parts()) parts.push_back(std::visit(times_factor, part));
   return sum_of(parts);
 }
 

@@ -49,11 +49,11 @@ std::string_view section(NameKind kind) {
   return kSections[static_cast<std::size_t>(kind)];
 }
 
-Known::Known(const std::vector<Diagnostic>& findings) {
+FindingsByPlace::FindingsByPlace(const std::vector<Diagnostic>& findings) {
   for (const Diagnostic& finding : findings) add(finding);
 }
 
-void Known::add(const Diagnostic& finding) {
+void FindingsByPlace::add(const Diagnostic& finding) {
   const std::string& where = finding.where;
   below_[where] = true;
   hides_names_ = hides_names_ || defines_names(where);
@@ -63,7 +63,7 @@ void Known::add(const Diagnostic& finding) {
   below_.emplace("", false);
 }
 
-bool Known::at_or_above(std::string_view pointer) const {
+bool FindingsByPlace::at_or_above(std::string_view pointer) const {
   if (below_.empty()) return false;
   for (std::string above(pointer);;) {
     const auto found = below_.find(above);
@@ -73,7 +73,7 @@ bool Known::at_or_above(std::string_view pointer) const {
   }
 }
 
-Symbols::Symbols(const Scene& scene, const Known& known) {
+Symbols::Symbols(const Scene& scene, const FindingsByPlace& known) {
   const auto enter_all = [&](NameKind kind, const auto& items, auto&& fixed, auto&& at) {
     for (std::size_t i = 0; i < items.size(); ++i) {
       enter(items[i].name, place(kind, items[i].name), {kind, i, -1, fixed(items[i]), false, at(items[i])}, known);
@@ -127,7 +127,7 @@ bool Symbols::is_made(std::string_view name) const {
   return dot != name.npos && owners_.contains(name.substr(0, dot));
 }
 
-void Symbols::enter(std::string_view name, const Where& where, Symbol symbol, const Known& known) {
+void Symbols::enter(std::string_view name, const Where& where, Symbol symbol, const FindingsByPlace& known) {
   symbol.broken = known.at_or_below(where.text()) || known.at_or_above(where.text());
   if (std::string wrong = is_made(name) ? "" : why_no_name(name); !wrong.empty()) {
     symbol.broken = true;

@@ -32,9 +32,9 @@ struct Symbol {
 };
 
 // Findings of a reader, by place.
-class Known {
+class FindingsByPlace {
  public:
-  explicit Known(const std::vector<Diagnostic>& findings);
+  explicit FindingsByPlace(const std::vector<Diagnostic>& findings);
   void add(const Diagnostic& finding);
 
   // True if there is a finding at `pointer` or above it.
@@ -51,7 +51,7 @@ class Known {
 
 class Symbols {
  public:
-  Symbols(const Scene& scene, const Known& known);
+  Symbols(const Scene& scene, const FindingsByPlace& known);
 
   [[nodiscard]] const Symbol* find(std::string_view name) const;
   [[nodiscard]] Symbol* find(std::string_view name);
@@ -66,7 +66,7 @@ class Symbols {
   [[nodiscard]] std::vector<std::string_view> names(std::initializer_list<NameKind> kinds) const;
 
  private:
-  void enter(std::string_view name, const Where& where, Symbol symbol, const Known& known);
+  void enter(std::string_view name, const Where& where, Symbol symbol, const FindingsByPlace& known);
 
   std::pmr::monotonic_buffer_resource memory_;  // freed as a whole, because millions of small pieces would leave gaps
   std::pmr::unordered_map<std::string_view, Symbol> symbols_{&memory_};

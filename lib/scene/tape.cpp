@@ -17,10 +17,10 @@ void Tape::lose(const Number& number, std::string_view why) {
 
 // ---- numbers
 
-std::uint64_t Number::record(Kind kind, const Number& a, const Number& b, const Number& c) {
+std::uint64_t Number::record(Operation op, const Number& a, const Number& b, const Number& c) {
   Tape* const tape = Tape::active();
   if (tape == nullptr || !(tape->has(a) || tape->has(b) || tape->has(c))) return 0;
-  const std::optional<std::size_t> place = tape->operation(kind, a, b, c);
+  const std::optional<std::size_t> place = tape->operation(op, a, b, c);
   return place ? tape->number(0, *place).origin_ : 0;
 }
 

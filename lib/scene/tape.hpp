@@ -54,7 +54,7 @@ class Tape {
   friend class Number;
   // Records an operation, of which at least one operand is on the tape. Returns the place of its result; none: it does
   // not depend on the parameters, e.g. a product with 0.
-  virtual std::optional<std::size_t> operation(Number::Kind kind, const Number& a, const Number& b,
+  virtual std::optional<std::size_t> operation(Number::Operation op, const Number& a, const Number& b,
                                                const Number& c) = 0;
   // Records the outcome of a < b (else a == b). With another one the computation would have gone another way.
   virtual void comparison(const Number& a, const Number& b, bool is_less, bool outcome) = 0;

@@ -23,14 +23,14 @@ class OutputSlopes {
   [[nodiscard]] const OutputJacobian& compute();
 
  private:
-  struct Row {
+  struct OutputDerivative {
     std::size_t column, derivative;
   };
   [[nodiscard]] Status follow_drivers();
 
   Continuation& motion_;
   const OutputProgram& outputs_;
-  std::vector<Row> rows_;
+  std::vector<OutputDerivative> rows_;
   std::array<bool, 3> asked_{};        // derivatives in rows_
   std::array<LaneArray, 3> known_;     // the known coordinates and their derivatives, in the layout of the state
   std::vector<LaneArray> changes_;     // drivers: of all coordinates

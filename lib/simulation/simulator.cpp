@@ -92,7 +92,7 @@ Status Simulator::go_to(double t) {
   } else if (status.ok() && t != from) {
     impl_->in_one_piece = true;
   }
-  if (!status.ok() || t == from) return status.ok() ? impl_->tell_verdict(from) : status;
+  if (!status.ok() || t == from) return status.ok() ? impl_->report_verdict(from) : status;
   if (impl_->prepared.reselect) {
     if (auto next = impl_->reselected_if_poor()) Impl::replace(impl_, std::move(next));
   }

@@ -121,8 +121,8 @@ struct Simulator::Impl {
     motion.start(time, posture, before != nullptr ? &before->motion : nullptr);
     if (before == nullptr) {
       fill_row();
-      judge();
-      (void)tell_verdict(time);
+      choose_convergence();
+      (void)report_verdict(time);
       for (auto* kept : {&inside, &divided}) save(**kept, false);  // so that steps allocate nothing
       return;
     }
@@ -172,12 +172,12 @@ struct Simulator::Impl {
     const double now = motion.time();
     const bool due =
         estimate.due(report.counters.branch_checks, {&now, 1}, q, motion.errors().worst(), divisors.data());
-    if (due || motion.on_change_point()) judge();
+    if (due || motion.on_change_point()) choose_convergence();
     if (postponed >= kMostPostponed) verdict = {Code::inaccurate, {}, kInfinity};
-    return verdict.ok() && !motion.turn_guessed() ? Status{} : tell_verdict(from);
+    return verdict.ok() && !motion.turn_guessed() ? Status{} : report_verdict(from);
   }
 
-  Status tell_verdict(double from) {
+  Status report_verdict(double from) {
     Status s = verdict;
     if (motion.turn_guessed()) {  // the opposite sense of rotation gives an angle that differs by a whole turn
       s = {Code::inaccurate, s.where, std::max(s.figure, kTurn)};
@@ -214,7 +214,7 @@ struct Simulator::Impl {
   }
 
   // If the deadline passes before the errors are measured, the next step measures them.
-  void judge() {
+  void choose_convergence() {
     if (!measure()) {
       ++postponed;
       return;
@@ -261,7 +261,7 @@ struct Simulator::Impl {
     fresh = false;
     (void)measure(false);
     settle();
-    (void)tell_verdict(motion.time());
+    (void)report_verdict(motion.time());
     std::vector<GroupFigures> all(structure.groups.size());
     for (Pack& pack : motion.packs()) {
       GroupSolver& solver = motion.levels().solver(pack);
@@ -498,7 +498,7 @@ struct Simulator::Impl {
   }
 
   void report_events() {
-    events.tell(report, [&](const Noticed& event) {
+    events.write_to(report, [&](const Noticed& event) {
       Event out = motion.in_words(event);
       if (out.detail.empty()) out.detail = without_derivatives(columns, event.missing);
       return out;

@@ -14,9 +14,9 @@ constexpr int kAssemblySteps = 60;    // the tests of structures take 12 at most
 constexpr int kFitSteps = 400;        // a choice: contradictory equations can take as many as are allowed
 constexpr double kWellDamped = 1e-3;  // internal units; the squared condition is then at most 1e6
 constexpr double kLeastGain = 1e-4;   // of a step of least squares, as a part of the sum of squares
-constexpr int kPolishSteps = 10;
-constexpr double kStuck = 1e-8;  // relative residual, a choice: least squares that end above it found no posture
-constexpr double kNudge = 0.1;   // internal units, a choice: typical lengths are 1
+constexpr int kPolishSteps = 10;      // of Newton's method, after least squares
+constexpr double kStuck = 1e-8;       // relative residual, a choice: least squares that end above it found no posture
+constexpr double kNudge = 0.1;        // internal units, a choice: typical lengths are 1
 
 // A direct solution with its condition and the sign of the determinant.
 class Linearization {

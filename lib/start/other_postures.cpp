@@ -34,7 +34,7 @@ constexpr double kNoLongerFalls = 1e-12;     // a residual that no longer falls 
 constexpr std::size_t kMostRates = 1 << 24;  // numbers: 128 MiB
 
 // A connected part of the system: equations that share unknowns or drivers.
-struct Part {
+struct Component {
   std::vector<Index> equations, kept, unknowns, inputs;
   std::vector<std::size_t> checks;  // indices into StartFindings::checks
 };
@@ -67,7 +67,7 @@ std::vector<std::vector<std::size_t>> inputs_behind(const System& s) {
   return behind;
 }
 
-std::vector<Part> connected(const System& s, const DoubtfulParts& all, const std::vector<Index>& checks) {
+std::vector<Component> connected(const System& s, const DoubtfulParts& all, const std::vector<Index>& checks) {
   const std::size_t coordinates = s.coordinates.size(), inputs = s.inputs.size();
   const std::vector<std::vector<std::size_t>> behind = inputs_behind(s);
   // Nodes: coordinates, then inputs, then equations.
@@ -81,7 +81,7 @@ std::vector<Part> connected(const System& s, const DoubtfulParts& all, const std
       for (const std::size_t i : behind[idx(c)]) nodes.join(node_of(e), coordinates + i);
     }
   }
-  std::map<std::size_t, Part> parts;
+  std::map<std::size_t, Component> parts;
   for (const Index e : all.equations) parts[nodes.root(node_of(e))].equations.push_back(e);
   for (const Index e : all.kept) parts[nodes.root(node_of(e))].kept.push_back(e);
   for (const Index u : all.unknowns) parts[nodes.root(idx(u))].unknowns.push_back(u);
@@ -90,17 +90,17 @@ std::vector<Part> connected(const System& s, const DoubtfulParts& all, const std
     if (part != parts.end()) part->second.inputs.push_back(static_cast<Index>(i));
   }
   for (std::size_t k = 0; k < checks.size(); ++k) {
-    Part& part = parts[nodes.root(node_of(checks[k]))];
+    Component& part = parts[nodes.root(node_of(checks[k]))];
     part.checks.push_back(k);
   }
-  std::vector<Part> out;
+  std::vector<Component> out;
   for (auto& [root, part] : parts) out.push_back(std::move(part));
   return out;
 }
 
 class Look {
  public:
-  Look(const System& system, const Part& part, const std::vector<double>& start, double time,
+  Look(const System& system, const Component& part, const std::vector<double>& start, double time,
        const std::vector<Index>& checks, StartFindings& out, std::set<std::string>& impossible)
       : s_(system),
         p_(part),
@@ -123,7 +123,7 @@ class Look {
     if (out_.cannot_assemble.empty() && out_.undetermined.empty()) {
       const bool on_path = walk_the_path();
       const bool near = look_nearby();
-      for (const std::size_t k : p_.checks) judge(k, on_path, near);
+      for (const std::size_t k : p_.checks) classify(k, on_path, near);
     }
     return mobility();
   }
@@ -253,7 +253,7 @@ class Look {
     return std::all_of(all.begin(), all.end(), [&](const auto& k) { return internal(k.second.by) <= kSmall; });
   }
 
-  void judge(std::size_t k, bool on_path, bool near) {
+  void classify(std::size_t k, bool on_path, bool near) {
     Redundancy& r = out_.redundant[k];
     const Seen path = path_[k], off = near_[k];
     const Seen& shown = !path.holds ? path : off;
@@ -414,7 +414,7 @@ class Look {
   }
 
   const System& s_;
-  const Part& p_;
+  const Component& p_;
   const std::vector<double>& start_;
   double time_;
   const std::vector<Index>& checks_;
@@ -444,7 +444,7 @@ std::string restricted(const RedundantSet& set) {
 }
 
 // Describes equations that do not hold elsewhere, in a note, or refuses the scene.
-void tell(const RedundantSet& set, bool is_impossible, StartFindings& out) {
+void describe_or_refuse(const RedundantSet& set, bool is_impossible, StartFindings& out) {
   const bool is_one = set.checked.size() == 1;
   const std::string holds = subject(set) + (is_one ? " holds" : " hold");
   const std::string amount = general(set.worst.violation, 3) + (set.worst.is_length ? " m" : "");
@@ -495,14 +495,14 @@ void look_at_other_postures(const System& s, const DoubtfulParts& parts, const s
   const std::int64_t driven = out.mobility;
   out.mobility_at_start = driven;
   std::set<std::string> impossible;
-  for (const Part& part : connected(s, parts, out.checks)) {
+  for (const Component& part : connected(s, parts, out.checks)) {
     const Look::Mobility more = Look(s, part, q, time, out.checks, out, impossible).run();
     out.mobility += more.generic;
     out.mobility_at_start += more.at_start;
   }
   for (const RedundantSet& set : redundant_sets(*s.scene, out.redundant)) {
     const auto is_impossible = [&](const std::string& name) { return impossible.count(name) != 0; };
-    tell(set, std::any_of(set.checked.begin(), set.checked.end(), is_impossible), out);
+    describe_or_refuse(set, std::any_of(set.checked.begin(), set.checked.end(), is_impossible), out);
   }
 }
 

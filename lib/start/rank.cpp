@@ -6,6 +6,7 @@
 
 #include "decompositions.hpp"
 #include "equations/dense_block.hpp"
+#include "equations/residual_scale.hpp"
 #include "numbers.hpp"
 #include "start/assembly.hpp"
 #include "start/independent_rows.hpp"

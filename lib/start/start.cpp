@@ -31,7 +31,7 @@
 #include "start/rank.hpp"
 #include "start/redundant_sets.hpp"
 #include "start/walk.hpp"
-#include "start/way.hpp"
+#include "start/walk_path.hpp"
 
 namespace assur {
 namespace {
@@ -102,7 +102,7 @@ class DrivenStart {
 
   Attempt from_guess() {
     const std::vector<double> at_laws = p_.q;
-    Way way = way_to_laws(s_, at_laws, p_.time);
+    WalkPath way = way_to_laws(s_, at_laws, p_.time);
     const bool moves = is_moving(s_, way);
     note_drivers(way);
     std::vector<double> q = at_laws;
@@ -148,7 +148,7 @@ class DrivenStart {
     return std::move(*found);
   }
 
-  void note_drivers(const Way& way) {
+  void note_drivers(const WalkPath& way) {
     for (std::size_t i = 0; i < s_.inputs.size(); ++i) {
       const DriverInput& in = s_.inputs[i];
       const auto has_none = [](double x) { return std::isnan(x); };
@@ -280,7 +280,7 @@ class DrivenStart {
   }
 
   // Moves q along the way. Returns the reason why that is impossible; "": q is there.
-  std::string move(Way way, std::vector<WalkedPart> parts, bool is_redundant, std::vector<double>& q) {
+  std::string move(WalkPath way, std::vector<WalkedPart> parts, bool is_redundant, std::vector<double>& q) {
     double share = 0, chosen_at = -1;
     mark_needed(parts);
     skip_periods(parts, q, way);
@@ -337,7 +337,7 @@ class DrivenStart {
   }
 
   // Subtracts whole turns of a driver after which the posture is the same: the driver alone, or gears.
-  void skip_periods(const std::vector<WalkedPart>& parts, const std::vector<double>& start, Way& way) const {
+  void skip_periods(const std::vector<WalkedPart>& parts, const std::vector<double>& start, WalkPath& way) const {
     const bool has_gears = count_turns(s_);
     std::size_t moving = 0;
     for (const std::vector<double>& all : way.change) {
@@ -350,7 +350,7 @@ class DrivenStart {
         double& change = way.change[i][k];
         const double turns = is_angle(s_, s_.inputs[i], k) ? std::floor(std::abs(change) / kTurn) : 0;
         if (turns < kManyTurns) continue;
-        Way turn = way;
+        WalkPath turn = way;
         for (std::vector<double>& all : turn.change) std::fill(all.begin(), all.end(), 0.0);
         turn.change[i][k] = std::copysign(kTurn, change);
         std::vector<double> q = start;
@@ -410,7 +410,7 @@ class DrivenStart {
     return values.size() > kMostDriversNamed ? text + ", ..." : text;
   }
 
-  [[nodiscard]] std::string reason(const Walked& w, const std::vector<WalkedPart>& parts, const Way& way,
+  [[nodiscard]] std::string reason(const Walked& w, const std::vector<WalkedPart>& parts, const WalkPath& way,
                                    double share) const {
     const std::string where =
         "at " + percent(share) + " of the way from the posture as written (" + values_in_words(way.from) + ")";

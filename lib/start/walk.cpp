@@ -135,7 +135,7 @@ struct Posture {
 
 class Walk : WalkRules {
  public:
-  Walk(const System& system, const std::vector<WalkedPart>& parts, const Way& way)
+  Walk(const System& system, const std::vector<WalkedPart>& parts, const WalkPath& way)
       : s_(system),
         parts_(parts),
         way_(way),
@@ -468,7 +468,7 @@ class Walk : WalkRules {
   }
 
   // Passes a change point by the smooth continuation: a cubic through four postures before it predicts a posture behind
-  // it, as in a run (motion/limit.cpp). At a fold there is no posture behind.
+  // it, as in a run (motion/failed_step.cpp). At a fold there is no posture behind.
   bool pass(Posture& at, Walked& out) {
     const double change = at.s;
     const std::size_t part = failed_;
@@ -535,7 +535,7 @@ class Walk : WalkRules {
 
   const System& s_;
   const std::vector<WalkedPart>& parts_;
-  const Way& way_;
+  const WalkPath& way_;
   Driven driven_;
   std::vector<Index> column_;          // scratch of DenseBlock
   std::vector<double> off_;            // coordinates: how far they may leave their chords in the step that is tested
@@ -552,7 +552,7 @@ class Walk : WalkRules {
 
 }  // namespace
 
-void set_strays(const System& s, const Way& way, double share, std::vector<double>& off) {
+void set_strays(const System& s, const WalkPath& way, double share, std::vector<double>& off) {
   for (std::size_t i = 0; i < s.inputs.size(); ++i) {
     const DriverInput& in = s.inputs[i];
     double turn = 0;
@@ -573,7 +573,7 @@ void set_strays(const System& s, const Way& way, double share, std::vector<doubl
   }
 }
 
-bool drivers_hold(const System& s, const Way& way, const std::vector<double>& q, Index* driver) {
+bool drivers_hold(const System& s, const WalkPath& way, const std::vector<double>& q, Index* driver) {
   for (std::size_t i = 0; i < s.inputs.size(); ++i) {
     const DriverInput& in = s.inputs[i];
     const bool moves = std::any_of(way.change[i].begin(), way.change[i].end(), [](double c) { return c != 0; });
@@ -585,7 +585,7 @@ bool drivers_hold(const System& s, const Way& way, const std::vector<double>& q,
   return true;
 }
 
-Walked walk(const System& system, const std::vector<WalkedPart>& parts, const Way& way, std::vector<double>& q) {
+Walked walk(const System& system, const std::vector<WalkedPart>& parts, const WalkPath& way, std::vector<double>& q) {
   return Walk(system, parts, way).run(q);
 }
 

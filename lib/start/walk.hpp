@@ -21,7 +21,7 @@ struct WalkedPart {
 };
 
 // Whatever moves while s goes from 0 to 1.
-struct Way {
+struct WalkPath {
   DriverValues from, change;  // the drivers have the values from + s * change
   std::vector<double> open;   // [equation of the system]: its residual is (1 - s) times this; empty: 0
   bool passes = true;         // false: a change point ends the walk
@@ -29,10 +29,10 @@ struct Way {
 
 // How far the known coordinates may leave their chords while the drivers go this share of the way: h^2 / 8 times the
 // second derivative. off: coordinates, of which those of inputs and assignments are set.
-void set_strays(const System& system, const Way& way, double share, std::vector<double>& off);
+void set_strays(const System& system, const WalkPath& way, double share, std::vector<double>& off);
 
 // False if a driver that moves has not its value at q any more, because its direction has vanished.
-[[nodiscard]] bool drivers_hold(const System& system, const Way& way, const std::vector<double>& q,
+[[nodiscard]] bool drivers_hold(const System& system, const WalkPath& way, const std::vector<double>& q,
                                 Index* driver = nullptr);  // driver: receives this one
 
 // The end of a walk.
@@ -79,7 +79,7 @@ struct WalkRules {
 // quadratic; Newton-Kantorovich, see groups/newton_kantorovich.hpp. For functions of the program the bounds are
 // measured, not proven, and so is the distance of earlier parts from their chords.) q is the last posture that was
 // reached.
-[[nodiscard]] Walked walk(const System& system, const std::vector<WalkedPart>& parts, const Way& way,
+[[nodiscard]] Walked walk(const System& system, const std::vector<WalkedPart>& parts, const WalkPath& way,
                           std::vector<double>& q);
 
 }  // namespace assur

@@ -58,12 +58,12 @@ struct GroupClass {
   // A callback of the scene, which gives some of the equations.
   struct CallbackUse {
     // An equation, and the row of the callback that gives it.
-    struct Row {
+    struct EquationOfRow {
       std::int32_t equation, row;
-      friend bool operator==(const Row&, const Row&) = default;
+      friend bool operator==(const EquationOfRow&, const EquationOfRow&) = default;
     };
     std::int32_t callback;                // index into the callbacks of the system
-    std::vector<Row> rows;                // rows in this group; redundant rows may be missing
+    std::vector<EquationOfRow> rows;      // rows in this group; redundant rows may be missing
     std::vector<std::int32_t> arguments;  // registers; ~coefficient for a constant one
     friend bool operator==(const CallbackUse&, const CallbackUse&) = default;
   };

@@ -14,12 +14,12 @@ constexpr double kPivotShare = 0.5;
 constexpr std::size_t kLongestForm = 12;  // longer forms would cost more than the unknown that they save
 
 struct Affine {
-  struct Part {
+  struct AffineTerm {
     Index coordinate;
     Number factor;
     Index constant;  // constant of the factor: kPlus or kMinus for a literal, -1 for a new constant
   };
-  std::vector<Part> parts;
+  std::vector<AffineTerm> parts;
 };
 
 class Presolve {
@@ -45,11 +45,11 @@ class Presolve {
   }
 
  private:
-  static bool is_literal(const Affine::Part& p) { return p.constant >= 0 && p.constant < kLiterals; }
+  static bool is_literal(const Affine::AffineTerm& p) { return p.constant >= 0 && p.constant < kLiterals; }
 
-  void add(Affine& sum, const Affine::Part& p) const {
+  void add(Affine& sum, const Affine::AffineTerm& p) const {
     const auto same = std::find_if(sum.parts.begin(), sum.parts.end(),
-                                   [&](const Affine::Part& o) { return o.coordinate == p.coordinate; });
+                                   [&](const Affine::AffineTerm& o) { return o.coordinate == p.coordinate; });
     if (same == sum.parts.end()) {
       sum.parts.push_back(p);
     } else if (is_literal(*same) && is_literal(p) && same->constant != p.constant) {
@@ -68,13 +68,13 @@ class Presolve {
     }
     return out;
   }
-  void resolve_term(const Affine::Part& p, Affine& out) const {
+  void resolve_term(const Affine::AffineTerm& p, Affine& out) const {
     const Index by = eliminated_[idx(p.coordinate)];
     if (by < 0) {
       add(out, p);
       return;
     }
-    for (const Affine::Part& r : replacement_[idx(by)].parts) {
+    for (const Affine::AffineTerm& r : replacement_[idx(by)].parts) {
       const Index constant = p.constant == kPlus ? r.constant : -1;
       resolve_term({r.coordinate, p.factor * r.factor, constant}, out);
     }
@@ -88,7 +88,7 @@ class Presolve {
     for (const auto& p : row.parts) {
       if (s_.coordinates[idx(p.coordinate)].role == Role::unknown) largest = std::max(largest, abs(p.factor));
     }
-    const Affine::Part* pivot = nullptr;
+    const Affine::AffineTerm* pivot = nullptr;
     for (const auto& p : row.parts) {
       if (s_.coordinates[idx(p.coordinate)].role != Role::unknown || abs(p.factor) < kPivotShare * largest ||
           p.factor == 0) {
@@ -113,7 +113,7 @@ class Presolve {
     return true;
   }
 
-  Index constant_of(const Affine::Part& p) {
+  Index constant_of(const Affine::AffineTerm& p) {
     if (p.constant >= 0) return p.constant;
     return s_.add_constant(p.factor);
   }
@@ -129,7 +129,7 @@ class Presolve {
       if (!touched) {
         terms.insert(terms.end(), old.begin(), old.end());
       } else {
-        for (const Affine::Part& p : resolve(f).parts) terms.push_back({p.coordinate, constant_of(p)});
+        for (const Affine::AffineTerm& p : resolve(f).parts) terms.push_back({p.coordinate, constant_of(p)});
       }
       start.push_back(static_cast<Index>(terms.size()));
     }

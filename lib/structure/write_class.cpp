@@ -46,9 +46,9 @@ Pattern pattern_of(const LocalEquations& c) {
   return out;
 }
 
-class Writer {
+class ClassWriter {
  public:
-  explicit Writer(const LocalEquations& c) : local_(c), class_(c.outline) { class_.pattern = pattern_of(c); }
+  explicit ClassWriter(const LocalEquations& c) : local_(c), class_(c.outline) { class_.pattern = pattern_of(c); }
 
   GroupClass run() {
     for (std::int32_t f = 0; f < local_.forms(); ++f) form(f);
@@ -300,6 +300,6 @@ class Writer {
 
 }  // namespace
 
-GroupClass write_class(const LocalEquations& equations) { return Writer(equations).run(); }
+GroupClass write_class(const LocalEquations& equations) { return ClassWriter(equations).run(); }
 
 }  // namespace assur

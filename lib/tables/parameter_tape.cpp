@@ -14,28 +14,28 @@ Slot row(Memory memory, std::size_t i) { return {memory, static_cast<std::uint32
 // 0 for a finite number, else NaN.
 Value finite(const Value& x) { return x - x; }
 
-Value result(Number::Kind kind, const Value& a, const Value& b, const Value& c) {
-  using Kind = Number::Kind;
-  switch (kind) {
-    case Kind::add:
+Value result(Number::Operation op, const Value& a, const Value& b, const Value& c) {
+  using enum Number::Operation;
+  switch (op) {
+    case add:
       return a + b;
-    case Kind::subtract:
+    case subtract:
       return a - b;
-    case Kind::multiply:
+    case multiply:
       return a * b;
-    case Kind::divide:
+    case divide:
       return a / b;
-    case Kind::negate:
+    case negate:
       return -a;
-    case Kind::fused:
+    case fused:
       return make(Op::fma, a, b, c);
-    case Kind::root:
+    case root:
       return sqrt(a);
-    case Kind::length:
+    case length:
       return sqrt(a * a + b * b + c * c);
-    case Kind::magnitude:
+    case magnitude:
       return abs(a);
-    case Kind::angle:
+    case angle:
       return HWY_NAMESPACE::signed_angle_of(a, b);
   }
   return {};
@@ -51,11 +51,11 @@ Value sum_of(std::span<const Value> terms) {
 
 }  // namespace
 
-ParameterTape::Entry ParameterTape::entry(const Number& number) const {
-  return has(number) ? entries_[place_of(number)] : Entry{Value::set(number.value())};
+ParameterTape::StagedValue ParameterTape::entry(const Number& number) const {
+  return has(number) ? entries_[place_of(number)] : StagedValue{Value::set(number.value())};
 }
 
-std::size_t ParameterTape::add(const Entry& entry) {
+std::size_t ParameterTape::add(const StagedValue& entry) {
   entries_.push_back(entry);
   return entries_.size() - 1;
 }
@@ -70,7 +70,7 @@ Number ParameterTape::formula(std::string text, std::vector<std::string> names, 
                               double value) {
   Formula& f = formulas_.emplace_back(Formula{{std::move(text), std::move(names), {}, 0}, {}, 1});
   for (const Number& argument : arguments) {
-    const Entry of = entry(argument);
+    const StagedValue of = entry(argument);
     f.arguments.push_back(of.value);
     f.text.arguments.push_back(static_cast<std::uint32_t>(rows_++));
     f.depth = std::max(f.depth, of.depth + 1);
@@ -79,10 +79,10 @@ Number ParameterTape::formula(std::string text, std::vector<std::string> names, 
   return number(value, add({graph_.load(row(Memory::work, f.text.row)), f.depth}));
 }
 
-std::optional<std::size_t> ParameterTape::operation(Number::Kind kind, const Number& a, const Number& b,
+std::optional<std::size_t> ParameterTape::operation(Number::Operation op, const Number& a, const Number& b,
                                                     const Number& c) {
-  const Entry of_a = entry(a), of_b = entry(b), of_c = entry(c);
-  const Value value = result(kind, of_a.value, of_b.value, of_c.value);
+  const StagedValue of_a = entry(a), of_b = entry(b), of_c = entry(c);
+  const Value value = result(op, of_a.value, of_b.value, of_c.value);
   if (value.is_constant()) return {};
   return add({value, std::max({of_a.depth, of_b.depth, of_c.depth})});
 }

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "program/graph.hpp"
+#include "program/step_graph.hpp"
 #include "scene/tape.hpp"
 
 namespace assur {
@@ -25,12 +25,12 @@ struct ParameterProgram {
     std::vector<std::uint32_t> arguments;  // rows of Memory::work
     std::uint32_t row = 0;                 // of its value
   };
-  struct Part {
+  struct Stage {
     StepProgram program;
     std::vector<Text> texts;  // evaluated after it
   };
 
-  std::vector<Part> parts;
+  std::vector<Stage> parts;
   std::size_t parameters = 0, rows = 0, wanted = 0;
 };
 
@@ -44,11 +44,12 @@ class ParameterTape final : public Tape {
   [[nodiscard]] ParameterProgram program(std::span<const Number> wanted);
 
  private:
-  std::optional<std::size_t> operation(Number::Kind kind, const Number& a, const Number& b, const Number& c) override;
+  std::optional<std::size_t> operation(Number::Operation op, const Number& a, const Number& b,
+                                       const Number& c) override;
   void comparison(const Number& a, const Number& b, bool is_less, bool outcome) override;
 
   // A value, and the number of texts on the longest way to it.
-  struct Entry {
+  struct StagedValue {
     Value value;
     std::size_t depth = 0;
   };
@@ -57,11 +58,11 @@ class ParameterTape final : public Tape {
     std::vector<Value> arguments;
     std::size_t depth;
   };
-  [[nodiscard]] Entry entry(const Number& number) const;
-  std::size_t add(const Entry& entry);
+  [[nodiscard]] StagedValue entry(const Number& number) const;
+  std::size_t add(const StagedValue& entry);
 
   Graph graph_;
-  std::vector<Entry> entries_;  // by place
+  std::vector<StagedValue> entries_;  // by place
   std::vector<Formula> formulas_;
   std::vector<Value> conditions_;  // 0 where the computation is repeated
   std::size_t parameters_ = 0, rows_ = 0;

@@ -45,14 +45,18 @@ void each_number(OfSystem& s, const Use& use) {
 // Calls use(number) for each number of the parts of a law; tables have none that follow from parameters.
 template <class Parts, class Use>
 void each_number_of_law(Parts& parts, const Use& use) {
-  for (auto& part : parts) {
-    if (auto* polynomial = std::get_if<Law::Polynomial>(&part)) {
-      for (auto& c : polynomial->coefficients) use(c);
-    } else if (auto* harmonics = std::get_if<Law::Harmonics>(&part)) {
-      use(harmonics->offset);
-      for (auto& term : harmonics->terms) use(term.amplitude), use(term.frequency), use(term.phase);
+  const auto use_part = [&](auto& part) {
+    using Part = std::remove_cvref_t<decltype(part)>;
+    if constexpr (std::is_same_v<Part, Law::Polynomial>) {
+      for (auto& c : part.coefficients) use(c);
+    } else if constexpr (std::is_same_v<Part, Law::Harmonics>) {
+      use(part.offset);
+      for (auto& term : part.terms) use(term.amplitude), use(term.frequency), use(term.phase);
+    } else {
+      static_assert(std::variant_size_v<Law::Part> == 4);  // tables and functions have no such numbers
     }
-  }
+  };
+  for (auto& part : parts) std::visit(use_part, part);
 }
 
 }  // namespace

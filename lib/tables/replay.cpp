@@ -11,8 +11,8 @@ Replay::Replay(const ParameterProgram& program, std::size_t lanes, StepCode* cod
       rows_(program.rows * w_),
       wanted_(program.wanted * w_),
       off_(w_) {
-  for (const ParameterProgram::Part& p : program.parts) {
-    Part& part = parts_.emplace_back();
+  for (const ParameterProgram::Stage& p : program.parts) {
+    Stage& part = parts_.emplace_back();
     if (code != nullptr) part.program = code->of(p.program, static_cast<int>(w_));
     if (!part.program) part.program = make_interpreter(p.program, static_cast<int>(w_));
     for (const ParameterProgram::Text& t : p.texts) {
@@ -31,7 +31,7 @@ void Replay::run(std::span<const double* const> parameters) {
   memory[static_cast<std::size_t>(Memory::work)] = rows_.data();
   memory[static_cast<std::size_t>(Memory::outputs)] = wanted_.data();
   memory[static_cast<std::size_t>(Memory::figures)] = off_.data();
-  for (Part& part : parts_) {
+  for (Stage& part : parts_) {
     part.program->run(memory);
     for (Text& text : part.texts) {
       for (std::size_t l = 0; l < parameters.size(); ++l) {

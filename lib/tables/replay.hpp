@@ -32,13 +32,13 @@ class Replay {
     std::vector<std::uint32_t> arguments;  // rows
     std::uint32_t row;                     // of its value
   };
-  struct Part {
+  struct Stage {
     std::shared_ptr<const Executor> program;
     std::vector<Text> texts;
   };
 
   std::size_t w_;
-  std::vector<Part> parts_;
+  std::vector<Stage> parts_;
   LaneArray parameters_, rows_, wanted_, off_;  // x W
   std::vector<double> arguments_;               // of one text and lane
 };

@@ -19,7 +19,7 @@
 #include "start/assembly.hpp"
 #include "start/directions.hpp"
 #include "start/frame_axes.hpp"
-#include "start/way.hpp"
+#include "start/walk_path.hpp"
 #include "structure/same_structure.hpp"
 #include "tables/walk_in_lanes.hpp"
 
@@ -126,7 +126,7 @@ class ValueTable::Binder : public MemberBinder {
   struct DriversWay {
     bool exists = true;  // false: a law has no value at the start
     bool moves = false;  // the drivers do
-    Way way;
+    WalkPath way;
     std::vector<double> begin, end;  // coordinates, of which those of inputs are set
     std::vector<double> written;     // values of all drivers, from which it begins
   };
@@ -258,7 +258,7 @@ class ValueTable::Binder : public MemberBinder {
               std::vector<double>& strays) override {
       const Lane& l = binder_.lanes_[lane];
       const System& s = l.open->system;
-      const Way& way = binder_.way_of(l).way;
+      const WalkPath& way = binder_.way_of(l).way;
       set_strays(s, way, share - before, strays);
       if (share == 1) {
         q = l.at_laws;

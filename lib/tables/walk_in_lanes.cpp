@@ -67,7 +67,7 @@ std::unique_ptr<WalkInLanes> WalkInLanes::make(const System& system, std::span<c
       if (!order.complete(pattern.n) || order.served != 1) return nullptr;
       elimination = lanes::write_program(pattern, order);
     }
-    Part& part = out->parts_.emplace_back();
+    UnitInLanes& part = out->parts_.emplace_back();
     part.unknowns = group.unknowns;
     part.inputs = group.inputs;
     part.constants = group.constants;
@@ -108,7 +108,7 @@ std::unique_ptr<WalkInLanes> WalkInLanes::make(const System& system, std::span<c
 void WalkInLanes::set(std::size_t lane, const System& numbers, std::span<const double> drawing, bool drivers_move) {
   lanes_[lane] = {Stage::closing, drivers_move};
   for (std::size_t c = 0; c < drawing.size(); ++c) from_[c * w_ + lane] = drawing[c];
-  for (Part& part : parts_) {
+  for (UnitInLanes& part : parts_) {
     for (std::size_t k = 0; k < part.constants.size(); ++k) {
       part.numbers[k * w_ + lane] = numbers.constants[idx(part.constants[k])];
     }
@@ -128,13 +128,13 @@ void WalkInLanes::run(Drivers& drivers) {
   for (Lane& lane : lanes_) {
     if (!lane.is_on_its_way()) lane.stage = Stage::unset;
   }
-  for (Part& part : parts_) {
+  for (UnitInLanes& part : parts_) {
     bind_coefficients(steps_[part.by].group_class, part.numbers.data(), part.coefficients.data(), w_);
   }
   for (bool is_first = true; each([&](std::size_t lane) { begin_step(lane, drivers); }); is_first = false) {
     set_aims();
     std::fill(used_.begin(), used_.end(), 0.0);
-    for (Part& part : parts_) run(part, is_first);
+    for (UnitInLanes& part : parts_) run(part, is_first);
     std::fill(goes_on_.begin(), goes_on_.end(), 0.0);
     each([&](std::size_t lane) { end_step(lane, drivers); });
     for (std::size_t row = 0; row < from_.size(); row += w_) {
@@ -158,7 +158,7 @@ void WalkInLanes::begin_step(std::size_t lane, Drivers& drivers) {
 
 // The residuals at the end of the step. In the first one, nothing is known of those that are open.
 void WalkInLanes::set_aims() {
-  for (Part& part : parts_) {
+  for (UnitInLanes& part : parts_) {
     for (std::size_t row = 0; row < part.aims.size(); row += w_) {
       for (std::size_t l = 0; l < w_; ++l) part.aims[row + l] = left_[l] > 0 ? left_[l] * part.open[row + l] : 0;
     }
@@ -195,7 +195,7 @@ bool WalkInLanes::holds(std::size_t lane, Drivers& drivers) {
   return drivers.hold(lane, one_);
 }
 
-void WalkInLanes::run(Part& part, bool is_first) {
+void WalkInLanes::run(UnitInLanes& part, bool is_first) {
   const auto gather = [this](const LaneArray& rows, const std::vector<std::int32_t>& coordinates, LaneArray& into) {
     with_lanes(w_, [&](auto w) {
       double* to = into.data();

@@ -1,6 +1,6 @@
 // Follows several mechanisms that differ in numbers only to their start, one in each SIMD lane: drawings close, then
-// drivers move to their laws (start/way.hpp). Each step is proven (program/walk_step.hpp). Every lane has steps of
-// its own, and its bits depend on no other lane. start/walk.hpp follows one mechanism, wherever that is possible;
+// drivers move to their laws (start/walk_path.hpp). Each step is proven (program/walk_step.hpp). Every lane has steps
+// of its own, and its bits depend on no other lane. start/walk.hpp follows one mechanism, wherever that is possible;
 // here there are no change points.
 #pragma once
 
@@ -64,7 +64,7 @@ class WalkInLanes {
     GroupClass group_class;
     std::shared_ptr<const Executor> executor;
   };
-  struct Part {
+  struct UnitInLanes {
     std::size_t by = 0;  // index of its step
     std::vector<std::int32_t> unknowns, inputs, constants;
     LaneArray numbers, coefficients;  // x W; numbers: those of `constants`
@@ -74,12 +74,12 @@ class WalkInLanes {
   void begin_step(std::size_t lane, Drivers& drivers);
   void set_aims();
   void end_step(std::size_t lane, Drivers& drivers);
-  void run(Part& part, bool is_first);
+  void run(UnitInLanes& part, bool is_first);
   [[nodiscard]] bool holds(std::size_t lane, Drivers& drivers);
 
   std::size_t w_;
   std::vector<Step> steps_;
-  std::vector<Part> parts_;
+  std::vector<UnitInLanes> parts_;
   std::vector<std::int32_t> known_, positive_;  // coordinates
   std::vector<Lane> lanes_;
   LaneArray from_, to_, strays_;  // coordinates x W

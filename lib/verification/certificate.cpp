@@ -202,7 +202,7 @@ void Certifier::number_columns(Index b) {
   }
 }
 
-QuadraticEquations Certifier::equations_of(Index b) const {
+ProofEquations Certifier::equations_of(Index b) const {
   const auto equations = blocks_.equations_of(b);
   const auto n = static_cast<Eigen::Index>(equations.size()), m = static_cast<Eigen::Index>(read_.size()) - n;
   BallMatrix residual{Eigen::MatrixXd(n, 1), Eigen::MatrixXd(n, 1)};

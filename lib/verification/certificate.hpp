@@ -39,7 +39,7 @@ class Certifier {
   SolutionProof enclose(Index block, std::string& first_reason);
   [[nodiscard]] std::string why_out_of_reach(Index block) const;
   void number_columns(Index block);
-  [[nodiscard]] QuadraticEquations equations_of(Index block) const;
+  [[nodiscard]] ProofEquations equations_of(Index block) const;
   [[nodiscard]] Eigen::VectorXd curvature(Index block, const Eigen::VectorXd& radius) const;
 
   std::shared_ptr<const GroupedSystem> structure_;

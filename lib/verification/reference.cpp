@@ -17,7 +17,6 @@
 
 #include "assur/simulator.hpp"
 #include "equations/outputs.hpp"
-#include "errors/angle_output.hpp"
 #include "numbers.hpp"
 #include "outputs/output_program.hpp"
 #include "verification/reference_motion.hpp"
@@ -102,7 +101,8 @@ class Comparison {
         if (!o.output.wanted[d]) continue;
         const double difference = o.figures[d].difference;
         double size = std::max(o.figures[d].size, scale_[d] * unit);
-        if (d == 2 && is_angle(o.output)) size = std::max(size, o.figures[1].size * o.figures[1].size);
+        // The direction that turns has an acceleration at least as large as the square of the rate.
+        if (d == 2 && is_angle(o.output.parts().front().kind)) size = std::max(size, o.figures[1].size * o.figures[1].size);
         const double error = difference != 0 ? difference / size : 0;
         *of[d] = std::fmax(*of[d], std::isnan(error) ? kInfinity : error);
       }

@@ -43,7 +43,7 @@ Watch::~Watch() {
   }
 }
 
-void Watch::tell(std::int64_t done, std::int64_t of) {
+void Watch::report_progress(std::int64_t done, std::int64_t of) {
   if (progress_.is_none() || done == told_) return;
   if (!bar_) {
     owns_ = !py::hasattr(progress_, "update") || PyType_Check(progress_.ptr());
@@ -67,7 +67,7 @@ bool Watch::proceed(std::int64_t done, std::int64_t of) {
   const py::gil_scoped_acquire lock;
   try {
     if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-    tell(done, of);
+    report_progress(done, of);
   } catch (py::error_already_set& e) {
     if (e.matches(PyExc_KeyboardInterrupt)) {
       interrupted_ = true;
@@ -82,7 +82,7 @@ bool Watch::proceed(std::int64_t done, std::int64_t of) {
 
 void Watch::finish() {
   if (thrown_) std::rethrow_exception(thrown_);
-  if (!interrupted_) tell(latest_, of_);
+  if (!interrupted_) report_progress(latest_, of_);
 }
 
 void raise_interrupted(const py::object& result) {

@@ -195,7 +195,7 @@ class Watch {
   void finish();
 
  private:
-  void tell(std::int64_t done, std::int64_t of);
+  void report_progress(std::int64_t done, std::int64_t of);
 
   py::object progress_, bar_;
   std::int64_t told_ = 0, latest_ = 0, of_ = 0;

@@ -12,7 +12,7 @@
 
 #include "assur/assur.h"
 #include "properties/random_count.hpp"
-#include "properties/random_mechanisms.hpp"
+#include "properties/small_random_scenes.hpp"
 
 namespace assur {
 namespace {

@@ -95,7 +95,9 @@ TEST(Usage, ReportsWrongArgumentsAsJson) {
 TEST(Usage, HelpFitsEightyColumnsAndNamesEveryOption) {
   const std::vector<std::string> common = {"--json", "--quiet", "--threads", "--db", "--help", "--version"};
   const std::vector<std::pair<std::vector<std::string>, std::vector<std::string>>> cases = {
-      {{"--help"}, {"run", "inspect", "import", "plan", "sweep", "compare", "backends", "db", "check", "report"}},
+      {{"--help"},
+       {"run", "inspect", "import", "plan", "sweep", "compare", "backends", "samples", "tune", "db", "check",
+        "report"}},
       {{"run", "--help"},
        {"SCENE",    "--set",      "--start",    "--dt",         "--steps",      "--outputs", "--strategy",
         "--mode",   "--accuracy", "--ensemble", "--iterations", "--start-mode", "--guess",   "--csv",
@@ -103,6 +105,9 @@ TEST(Usage, HelpFitsEightyColumnsAndNamesEveryOption) {
       {{"compare", "--help"}, {"SCENE", "--set", "--outputs", "--steps", "--accuracy", "--strategies", "--html"}},
       {{"inspect", "--help"}, {"SCENE", "--set", "--outputs", "--formulation", "--modes"}},
       {{"import", "--help"}, {"FILE", "--out", "--key", "--drive"}},
+      {{"plan", "--help"}, {"SCENE", "--set", "--outputs", "--without", "--mode", "--accuracy", "--save"}},
+      {{"sweep", "--help"}, {"SCENE", "--vary", "--samples", "--sampler", "--reduce", "--best", "--out"}},
+      {{"tune", "--help"}, {"--profile", "--budget", "--scene", "--csv"}},
       {{"backends", "--help"}, {}},
       {{"check", "--help"}, {"SCENE", "--set", "--quick", "--case"}},
       {{"report", "--help"}, {"--out", "--quick", "--budget", "--watts", "--peers"}},

@@ -14,8 +14,8 @@
 #include <random>
 
 #include "db/connection.hpp"
-#include "db/contents.hpp"
 #include "db/machine_model.hpp"
+#include "db/reader.hpp"
 #include "db/samples.hpp"
 #include "db/writer.hpp"
 #include "parallel/file_tree.hpp"

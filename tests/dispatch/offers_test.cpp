@@ -18,7 +18,7 @@ constexpr ThreadBudget kBudget{2};
 std::vector<Scene> shipped() {
   std::vector<Scene> scenes;
   for (const auto& file : test::shipped_files()) scenes.push_back(read_scene(file));
-  for (const samples::Sample& s : samples::table()) {
+  for (const samples::SampleMechanism& s : samples::table()) {
     if (std::ranges::none_of(scenes, [&](const Scene& scene) { return scene.name() == s.name; })) {
       scenes.push_back(sample(s.name));
     }

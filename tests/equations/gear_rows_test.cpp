@@ -12,7 +12,7 @@
 #include "executors/executors.hpp"
 #include "index.hpp"
 #include "numbers.hpp"
-#include "program/graph.hpp"
+#include "program/step_graph.hpp"
 #include "source_dir.hpp"
 #include "structure/look.hpp"
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "assur/ensemble.hpp"
-#include "errors/near_singular.hpp"
+#include "properties/near_singular.hpp"
 #include "motion/fan.hpp"
 #include "properties/random_count.hpp"
 #include "runs/ensembles.hpp"

@@ -12,7 +12,7 @@
 
 #include "assur/ensemble.hpp"
 #include "assur/saved_plan.hpp"
-#include "errors/near_singular.hpp"
+#include "properties/near_singular.hpp"
 #include "properties/random_count.hpp"
 #include "simulation/run.hpp"
 

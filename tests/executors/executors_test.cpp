@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "numbers.hpp"
-#include "program/graph.hpp"
-#include "properties/random_mechanisms.hpp"
+#include "program/step_graph.hpp"
+#include "properties/small_random_scenes.hpp"
 
 namespace assur {
 namespace {
@@ -60,7 +60,7 @@ double apply(Op op, double a, double b, double c, double d) {
 // Bits, but equal ones for all NaN: processors choose their payloads.
 std::uint64_t bits_of(double x) { return std::isnan(x) ? ~std::uint64_t{0} : std::bit_cast<std::uint64_t>(x); }
 
-constexpr std::size_t kOperations = static_cast<std::size_t>(Op::select) - static_cast<std::size_t>(Op::add) + 1;
+constexpr std::size_t kOperations = static_cast<std::size_t>(kLastOp) - static_cast<std::size_t>(kFirstArithmetic) + 1;
 constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr std::array kSpecial = {
     0.0, -0.0, 1.0, -1.0, 0.5, -2.5, 3.5, kInf, -kInf, kNan, 4.9e-324, -2.2e-308, 1.7e308, 4503599627370497.5, -0.25};
@@ -78,7 +78,7 @@ TEST(Executors, AgreeWithTheDefinitionOfEachOperation) {
       for (const double c : kSpecial) cases.push_back({a, b, c, 2.0});
     }
   }
-  for (int op = static_cast<int>(Op::add); op <= static_cast<int>(Op::select); ++op) {
+  for (int op = static_cast<int>(kFirstArithmetic); op <= static_cast<int>(kLastOp); ++op) {
     Phase phase;
     for (std::uint32_t s = 0; s < 4; ++s) phase.code.push_back({Op::load, {}, {Memory::work, s}});
     phase.code.push_back({static_cast<Op>(op), {0, 1, 2, 3}, {}});
@@ -112,7 +112,7 @@ TEST(Executors, GiveTheBitsOfTheDefinition) {
     phase.code.push_back({Op::constant, {0}, {}});
     phase.code.push_back({Op::constant, {1}, {}});
     for (int i = 0; i < 60; ++i) {
-      Instruction n{static_cast<Op>(static_cast<std::size_t>(Op::add) + draw.below(kOperations)), {}, {}};
+      Instruction n{static_cast<Op>(static_cast<std::size_t>(kFirstArithmetic) + draw.below(kOperations)), {}, {}};
       if (n.op == Op::copy_sign) n.op = Op::absolute;  // the sign of NaN depends on the processor
       for (std::size_t k = 0; k < static_cast<std::size_t>(operands_of(n.op)); ++k) {
         n.operand[k] = static_cast<std::uint32_t>(draw.below(phase.code.size()));

@@ -18,7 +18,7 @@
 #include "index.hpp"
 #include "plan/preparation.hpp"
 #include "program/step_rules.hpp"
-#include "properties/random_mechanisms.hpp"
+#include "properties/small_random_scenes.hpp"
 
 namespace assur {
 namespace {

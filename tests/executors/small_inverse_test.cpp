@@ -12,8 +12,8 @@
 
 #include "executors/executors.hpp"
 #include "numbers.hpp"
-#include "program/graph.hpp"
-#include "properties/random_mechanisms.hpp"
+#include "program/step_graph.hpp"
+#include "properties/small_random_scenes.hpp"
 
 namespace assur {
 namespace {

@@ -1,4 +1,5 @@
-// The mechanisms of scenes/ are the samples of the same name. The schema in scenes/ has the rows of scene/kinds.hpp.
+// The mechanisms of scenes/ are the samples of the same name. The schema in scenes/ has the rows of
+// scene/vocabulary.hpp.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -21,7 +22,7 @@
 #include "files/json_document.hpp"
 #include "files/shipped_files.hpp"
 #include "samples/samples.hpp"
-#include "scene/kinds.hpp"
+#include "scene/vocabulary.hpp"
 #include "source_dir.hpp"
 
 namespace assur {
@@ -198,7 +199,8 @@ TEST(SceneFiles, EqualTheSamplesOfTheirName) {
   int files = 0;
   for (const auto& file : test::shipped_files()) {
     const std::string name = file.stem().string();
-    if (std::ranges::none_of(samples::table(), [&](const samples::Sample& s) { return s.name == name; })) continue;
+    if (std::ranges::none_of(samples::table(), [&](const samples::SampleMechanism& s) { return s.name == name; }))
+      continue;
     SCOPED_TRACE(name);
     const Scene scene = read_scene(file);
     EXPECT_TRUE(scene.warnings().empty());
@@ -254,8 +256,8 @@ Keys keys_of_schema(const JsonNode& object) {
 
 template <class Row>
 void add_keys(Keys& keys, const Row& row) {
-  rows::for_each_key(row, [&]<class Content>(const rows::Key<Content>& key) {
-    if constexpr (rows::is_refused<Content>) return;
+  vocabulary::for_each_key(row, [&]<class Content>(const vocabulary::Key<Content>& key) {
+    if constexpr (vocabulary::is_refused<Content>) return;
     keys.all.insert(key.name);
     if (!key.missing.empty()) keys.needed.insert(key.name);
   });
@@ -266,7 +268,7 @@ template <class Own, class... Rows>
 std::map<std::string_view, Keys> keys_of_kinds(const Own& own, const std::tuple<Rows...>& kinds) {
   std::map<std::string_view, Keys> keys;
   const auto add = [&](const auto& row) {
-    if constexpr (rows::is_refused<std::remove_cvref_t<decltype(std::get<0>(row.keys).content)>>) return;
+    if constexpr (vocabulary::is_refused<std::remove_cvref_t<decltype(std::get<0>(row.keys).content)>>) return;
     Keys& kind = keys[row.name()];
     kind.needed.insert(row.name());
     add_keys(kind, row);
@@ -290,21 +292,33 @@ TEST(SceneSchema, HasTheKeysOfAllRows) {
     }
     return found;
   };
-  EXPECT_EQ(kinds("constraints"), keys_of_kinds(rows::kConstraint, rows::kConstraints));
-  EXPECT_EQ(kinds("drivers"), keys_of_kinds(rows::kDriver, rows::kDrivers));
-  EXPECT_EQ(kinds("measures"), keys_of_kinds(rows::kMeasure, rows::kMeasures));
+  EXPECT_EQ(kinds("constraints"), keys_of_kinds(vocabulary::kConstraint, vocabulary::kConstraints));
+  EXPECT_EQ(kinds("drivers"), keys_of_kinds(vocabulary::kDriver, vocabulary::kDrivers));
+  EXPECT_EQ(kinds("joints"), keys_of_kinds(vocabulary::kJoint, vocabulary::kJoints));
+  EXPECT_EQ(kinds("measures"), keys_of_kinds(vocabulary::kMeasure, vocabulary::kMeasures));
 
   const auto expect_object = [](const JsonNode& object, const auto& row) {
     Keys keys;
     add_keys(keys, row);
     EXPECT_EQ(keys_of_schema(object), keys);
   };
-  expect_object(item("points"), rows::kPoint);
-  expect_object(item("vectors"), rows::kVector);
-  expect_object(item("bodies"), rows::kBody);
-  expect_object(item("limits"), rows::kLimit);
-  expect_object(item("groups"), rows::kGroup);
-  expect_object(at(schema.root, {"properties", "time"}), rows::kTime);
+  expect_object(item("points"), vocabulary::kPoint);
+  expect_object(item("vectors"), vocabulary::kVector);
+  expect_object(item("bodies"), vocabulary::kBody);
+  expect_object(item("limits"), vocabulary::kLimit);
+  expect_object(item("groups"), vocabulary::kGroup);
+  expect_object(at(schema.root, {"properties", "time"}), vocabulary::kTime);
+
+  // The fuzzer of scenes knows all keys of kinds.
+  std::ifstream dictionary(kScenes.parent_path() / "tests/fuzz/scene.dict");
+  const std::string words{std::istreambuf_iterator<char>(dictionary), {}};
+  for (const char* section : {"constraints", "drivers", "joints", "measures"}) {
+    for (const auto& [kind, keys] : kinds(section)) {
+      for (const std::string_view key : keys.all) {
+        EXPECT_NE(words.find("\\\"" + std::string(key) + "\\\""), std::string::npos) << key;
+      }
+    }
+  }
 }
 
 }  // namespace

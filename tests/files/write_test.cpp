@@ -52,7 +52,7 @@ TEST(WriteScene, ShippedFilesReadBackTheSame) {
 TEST(WriteScene, SamplesReadBackTheSame) {
   std::vector<std::string> texts = {"four_bar:3",       "stewart:legs=8,platforms=2", "gough:7",
                                     "parallelograms:2", "whitworth:hinge=stated",     "rings:legs=2,n=12,terminal=12"};
-  for (const samples::Sample& s : samples::table()) texts.emplace_back(s.name);
+  for (const samples::SampleMechanism& s : samples::table()) texts.emplace_back(s.name);
   for (const std::string& text : texts) {
     SCOPED_TRACE(text);
     const Scene scene = sample(text);

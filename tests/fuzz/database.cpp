@@ -14,8 +14,8 @@
 #include <functional>
 #include <vector>
 
-#include "db/contents.hpp"
 #include "db/machine_model.hpp"
+#include "db/reader.hpp"
 #include "db/samples.hpp"
 #include "fuzz/targets.hpp"
 #include "parallel/file_tree.hpp"

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "groups/newton_kantorovich.hpp"
-#include "properties/random_mechanisms.hpp"
+#include "properties/small_random_scenes.hpp"
 #include "scene/law_evaluate.hpp"
 #include "verification/quad.hpp"
 
@@ -171,9 +171,9 @@ BallMatrix rounded(const std::vector<Exact>& exact, Eigen::Index rows) {
 // x^2 = h around x = s + d, where h = s^2 + e is known within e; the other solution is -s.
 SolutionProof prove_root(double s, double d, double e) {
   const Exact x = Exact(s) + Exact(d), h = Exact(s) * Exact(s) + Exact(e);
-  QuadraticEquations equations{rounded({x * x - h}, 1), rounded({2 * x}, 1), rounded({Exact(-1)}, 1),
-                               Eigen::VectorXd::Constant(1, std::abs(e)),
-                               [](const Eigen::VectorXd& r) { return Eigen::VectorXd(r.cwiseProduct(r)); }};
+  ProofEquations equations{rounded({x * x - h}, 1), rounded({2 * x}, 1), rounded({Exact(-1)}, 1),
+                           Eigen::VectorXd::Constant(1, std::abs(e)),
+                           [](const Eigen::VectorXd& r) { return Eigen::VectorXd(r.cwiseProduct(r)); }};
   return prove_solution(equations);
 }
 
@@ -206,11 +206,11 @@ TEST(SolutionProof, CoversTheRangesOfItsInputs) {
 // x^2 = h has no real solution for h < 0. A solution too far from x is not found.
 TEST(SolutionProof, FailsWithoutANearbySolution) {
   const auto none = [](double x, double h) {
-    QuadraticEquations equations{rounded({Exact(x) * Exact(x) - Exact(h)}, 1),
-                                 rounded({2 * Exact(x)}, 1),
-                                 {Eigen::MatrixXd(1, 0), Eigen::MatrixXd(1, 0)},
-                                 Eigen::VectorXd(0),
-                                 [](const Eigen::VectorXd& r) { return Eigen::VectorXd(r.cwiseProduct(r)); }};
+    ProofEquations equations{rounded({Exact(x) * Exact(x) - Exact(h)}, 1),
+                             rounded({2 * Exact(x)}, 1),
+                             {Eigen::MatrixXd(1, 0), Eigen::MatrixXd(1, 0)},
+                             Eigen::VectorXd(0),
+                             [](const Eigen::VectorXd& r) { return Eigen::VectorXd(r.cwiseProduct(r)); }};
     return prove_solution(equations);
   };
   for (const double x : {1e-3, 0.1, 10.0}) EXPECT_FALSE(none(x, -1e-12).holds);
@@ -248,20 +248,20 @@ TEST(SolutionProof, HoldsForIllConditionedSystems) {
       }
       phi.push_back(sum);
     }
-    QuadraticEquations equations{rounded(phi, n),
-                                 rounded(jacobian, n),
-                                 {Eigen::MatrixXd(n, 0), Eigen::MatrixXd(n, 0)},
-                                 Eigen::VectorXd(0),
-                                 [&](const Eigen::VectorXd& r) {
-                                   Eigen::VectorXd out(n);
-                                   for (int i = 0; i < n; ++i) {
-                                     out[i] = 0;
-                                     for (int j = 0; j < n; ++j) {
-                                       out[i] = up(out[i] + up(std::abs(square[i][j]) * up(r[j] * r[j])));
-                                     }
-                                   }
-                                   return out;
-                                 }};
+    ProofEquations equations{rounded(phi, n),
+                             rounded(jacobian, n),
+                             {Eigen::MatrixXd(n, 0), Eigen::MatrixXd(n, 0)},
+                             Eigen::VectorXd(0),
+                             [&](const Eigen::VectorXd& r) {
+                               Eigen::VectorXd out(n);
+                               for (int i = 0; i < n; ++i) {
+                                 out[i] = 0;
+                                 for (int j = 0; j < n; ++j) {
+                                   out[i] = up(out[i] + up(std::abs(square[i][j]) * up(r[j] * r[j])));
+                                 }
+                               }
+                               return out;
+                             }};
     const SolutionProof proof = prove_solution(equations);
     if (!proof.holds) {
       EXPECT_LE(spread, 1e-5);  // 4 B Y is about 1e-13 / spread^2

@@ -12,8 +12,8 @@
 
 #include "lettered_joint.hpp"
 #include "mechanisms/plain_motion.hpp"
-#include "properties/random_mechanisms.hpp"
 #include "properties/shipped.hpp"
+#include "properties/small_random_scenes.hpp"
 
 namespace assur::test {
 

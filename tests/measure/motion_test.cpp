@@ -61,8 +61,8 @@ TEST(PackStep, CountsFactorisationsOfThePolicy) {
   }
 }
 
-TEST(WholeStep, RepeatsTheGrid) {
-  WholeStep steps(prepared("andrews", "groups/eigen"));  // 72 steps
+TEST(StepWorkload, RepeatsTheGrid) {
+  StepWorkload steps(prepared("andrews", "groups/eigen"));  // 72 steps
   for (const int calls : {5, 100, 1, 72}) {
     steps.get_ready(calls);
     EXPECT_TRUE(steps.run(calls));

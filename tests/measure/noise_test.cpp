@@ -23,25 +23,25 @@ TEST(Noise, ASystemWithoutFiguresIsQuiet) {
   const Noise noise = NoiseWatch(2, system.root()).noise();
   EXPECT_EQ(noise.load, 0);
   EXPECT_EQ(noise.stolen, 0);
-  EXPECT_EQ(judge(noise).quiet, Quiet::yes);
-  EXPECT_EQ(judge(noise).reason, "");
+  EXPECT_EQ(assess(noise).quiet, Quiet::yes);
+  EXPECT_EQ(assess(noise).reason, "");
 }
 
 TEST(Noise, TheWorstFigureDecidesAndAllAreReported) {
   Noise noise;
   noise.scatter = 0.03;
-  EXPECT_EQ(judge(noise).quiet, Quiet::some_noise);
-  EXPECT_EQ(judge(noise).reason, "times scatter by 3 %");
+  EXPECT_EQ(assess(noise).quiet, Quiet::some_noise);
+  EXPECT_EQ(assess(noise).reason, "times scatter by 3 %");
   noise.uneven = 0.3;
   EXPECT_EQ(
-      judge(noise).reason,
+      assess(noise).reason,
       "one core was slower than another in 30 % of the measurements with several threads, which were repeated; times "
       "scatter by 3 %");
   noise.uneven = 0;
   noise.stolen = 0.2;
-  EXPECT_EQ(judge(noise).quiet, Quiet::noisy);
+  EXPECT_EQ(assess(noise).quiet, Quiet::noisy);
   noise.drift = 0.4;
-  EXPECT_EQ(judge(noise).reason,
+  EXPECT_EQ(assess(noise).reason,
             "the hypervisor took 20 % of the time; times scatter by 3 %; the whole machine was at times up to 40 % "
             "slower, for which times are corrected");
 }

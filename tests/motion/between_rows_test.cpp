@@ -10,7 +10,7 @@
 #include "assur/ensemble.hpp"
 #include "equations/law_bow.hpp"
 #include "properties/random_count.hpp"
-#include "properties/random_mechanisms.hpp"
+#include "properties/small_random_scenes.hpp"
 #include "simulation/run.hpp"
 
 namespace assur {

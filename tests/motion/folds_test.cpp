@@ -5,7 +5,7 @@
 #include <limits>
 #include <string>
 
-#include "errors/near_singular.hpp"
+#include "properties/near_singular.hpp"
 #include "properties/random_chains.hpp"
 #include "properties/random_count.hpp"
 #include "simulation/run.hpp"

@@ -13,7 +13,7 @@
 
 #include "plan/preparation.hpp"
 #include "properties/random_count.hpp"
-#include "properties/random_mechanisms.hpp"
+#include "properties/small_random_scenes.hpp"
 #include "simulation/run.hpp"
 #include "source_dir.hpp"
 

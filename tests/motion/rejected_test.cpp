@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "properties/random_count.hpp"
-#include "properties/random_mechanisms.hpp"
+#include "properties/small_random_scenes.hpp"
 #include "simulation/run.hpp"
 
 namespace assur {

@@ -107,16 +107,16 @@ TEST(State, ExpandsWithAllDerivativesOfTheLastPosture) {
 
 TEST(State, PredictsThroughKeptPostures) {
   State s = after_steps(kTaylor, 1);
-  State::Way way;
+  State::PostureHistory history;
   for (int k = 2; k < 5; ++k) {
-    s.keep(way);
+    s.save_history(history);
     s.predict(k * kStep);
     put(s, k * kStep);
     s.accept(k * kStep);
   }
   State::Prediction prediction;
-  s.begin_prediction(way, 5 * kStep, prediction);
-  s.predict(prediction, 0, s.unknowns());  // continues the three postures kept in `way`
+  s.begin_prediction(history, 5 * kStep, prediction);
+  s.predict(prediction, 0, s.unknowns());  // continues the three postures kept in `history`
   expect_at(s, 5 * kStep, 0);
 }
 

@@ -19,7 +19,7 @@
 #include "files/shipped_files.hpp"
 #include "numbers.hpp"
 #include "plan/preparation.hpp"
-#include "properties/random_mechanisms.hpp"
+#include "properties/small_random_scenes.hpp"
 #include "simulation/same_run.hpp"
 
 namespace assur {

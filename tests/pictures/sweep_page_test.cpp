@@ -14,20 +14,20 @@ std::size_t count(const std::string& text, const std::string& what) {
   return n;
 }
 
-sweep::Row row(std::int64_t sample, const std::string& status, double a, double b, double figure) {
+sweep::DesignSample row(std::int64_t sample, const std::string& status, double a, double b, double figure) {
   return {.sample = sample, .parameters = {a, b}, .status = status, .reached = 1, .figures = {figure}, .why = {}};
 }
 
 pictures::SweepPage example() {
-  const sweep::Row best = row(2, "ok", 0.3, 3, 0.1);
-  return {
-      "a<b",
-      {"4 of 4 samples."},
-      {{"first", 0, 1}, {"second", 1, 4}},
-      {"C.x.max"},
-      {row(0, "ok", 0.1, 1, 0.5), row(1, "fold", 0.2, 2, 0.7), best, row(3, sweep::Row::kNotAssembled, 0.4, 4, kNan)},
-      {best},
-      {"Man"}};
+  const sweep::DesignSample best = row(2, "ok", 0.3, 3, 0.1);
+  return {"a<b",
+          {"4 of 4 samples."},
+          {{"first", 0, 1}, {"second", 1, 4}},
+          {"C.x.max"},
+          {row(0, "ok", 0.1, 1, 0.5), row(1, "fold", 0.2, 2, 0.7), best,
+           row(3, sweep::DesignSample::kNotAssembled, 0.4, 4, kNan)},
+          {best},
+          {"Man"}};
 }
 
 TEST(SweepPage, ShowsFiguresOverParametersAndEnds) {

@@ -71,7 +71,7 @@ Scene shortened(const Scene& scene, std::int64_t steps) {
 // Every sample, some in other sizes, and every scene file.
 std::vector<std::string> shipped() {
   std::vector<std::string> scenes = {"stewart:legs=22", "stewart:platforms=3", "four_bar:64", "n_four_bar:7"};
-  for (const samples::Sample& row : samples::table()) scenes.emplace_back(row.name);
+  for (const samples::SampleMechanism& row : samples::table()) scenes.emplace_back(row.name);
   for (const auto& file : test::shipped_files()) scenes.push_back(file);
   return scenes;
 }

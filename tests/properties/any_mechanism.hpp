@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <string>
 
-#include "errors/near_singular.hpp"
+#include "properties/near_singular.hpp"
 #include "properties/random_chains.hpp"
-#include "properties/random_mechanisms.hpp"
+#include "properties/small_random_scenes.hpp"
 
 namespace assur::test {
 

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <string>
 
-#include "properties/random_mechanisms.hpp"
+#include "properties/small_random_scenes.hpp"
 
 namespace assur::test {
 

@@ -8,7 +8,7 @@
 #include "assur/strategy.hpp"
 #include "backends/backends.hpp"
 #include "dispatch/together_rules.hpp"
-#include "properties/random_mechanisms.hpp"
+#include "properties/small_random_scenes.hpp"
 #include "structure/grouped_system.hpp"
 
 namespace assur::test {

@@ -17,7 +17,7 @@
 #include "plan/preparation.hpp"
 #include "program/group_step.hpp"
 #include "properties/random_count.hpp"
-#include "properties/random_mechanisms.hpp"
+#include "properties/small_random_scenes.hpp"
 #include "simulation/same_run.hpp"
 #include "simulation/towers.hpp"
 

@@ -5,8 +5,8 @@
 #include "files/shipped_files.hpp"
 #include "motion/limited.hpp"
 #include "plan/preparation.hpp"
-#include "properties/random_mechanisms.hpp"
 #include "properties/random_strategy.hpp"
+#include "properties/small_random_scenes.hpp"
 
 namespace assur {
 namespace {

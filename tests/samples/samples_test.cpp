@@ -45,7 +45,7 @@ Equations<double> guess_of(const Scene& scene) {
 
 TEST(SampleText, NamesAreSortedAndKnown) {
   std::string_view last;
-  for (const samples::Sample& row : samples::table()) {
+  for (const samples::SampleMechanism& row : samples::table()) {
     EXPECT_LT(last, row.name);
     last = row.name;
     EXPECT_TRUE(is_sample(row.name));

@@ -87,7 +87,7 @@ class SceneDump {
       line(" law", part.index());
       if (const auto* p = std::get_if<Law::Polynomial>(&part)) put(p->coefficients);
       if (const auto* h = std::get_if<Law::Harmonics>(&part)) put(h->terms, h->offset);
-      if (const auto* s = std::get_if<Law::Spline>(&part)) put(s->time, s->value, s->second, s->periodic);
+      if (const auto* s = std::get_if<Law::Spline>(&part)) put(s->time, s->value, s->second, s->periodic, s->monotone);
     }
   }
 

@@ -13,7 +13,7 @@
 #include "motion/limited.hpp"
 #include "properties/delta_robot.hpp"
 #include "properties/random_count.hpp"
-#include "properties/random_mechanisms.hpp"
+#include "properties/small_random_scenes.hpp"
 #include "simulation/run.hpp"
 
 namespace assur {

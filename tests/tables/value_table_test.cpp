@@ -8,7 +8,7 @@
 #include <random>
 
 #include "properties/random_count.hpp"
-#include "properties/random_mechanisms.hpp"
+#include "properties/small_random_scenes.hpp"
 #include "refusal.hpp"
 #include "runs/ensembles.hpp"
 

@@ -17,8 +17,8 @@
 #include "executors/step_code.hpp"
 #include "graph/blocks.hpp"
 #include "index.hpp"
-#include "properties/random_mechanisms.hpp"
-#include "start/way.hpp"
+#include "properties/small_random_scenes.hpp"
+#include "start/walk_path.hpp"
 
 namespace assur {
 namespace {
@@ -53,11 +53,11 @@ struct Case {
 
   System system;
   std::vector<WalkedPart> parts;
-  Way way;
+  WalkPath way;
   std::vector<double> q;  // as written
 };
 
-DriverValues at(const Way& way, double share) {
+DriverValues at(const WalkPath& way, double share) {
   DriverValues out = way.from;
   for (std::size_t i = 0; i < out.size(); ++i) {
     for (std::size_t k = 0; k < out[i].size(); ++k) out[i][k] += share * way.change[i][k];

@@ -14,7 +14,7 @@
 #include "errors/conditions.hpp"
 #include "motion/limited.hpp"
 #include "plan/preparation.hpp"
-#include "properties/random_mechanisms.hpp"
+#include "properties/small_random_scenes.hpp"
 #include "references/scaled.hpp"
 #include "simulation/simulator_access.hpp"
 #include "source_dir.hpp"

@@ -99,7 +99,7 @@ class CaseRun {
       result_.add({strategy, "wrong", error.what(), std::nullopt, std::nullopt});
       return;
     }
-    Run run = judged(strategy, trajectory, report);
+    Run run = verdict_of(strategy, trajectory, report);
     if (!result_.what.twin.empty()) compare_with_twin(run, how, trajectory);
     result_.add(std::move(run));
   }
@@ -144,7 +144,7 @@ class CaseRun {
     return static_cast<std::size_t>(std::upper_bound(times.begin(), times.end(), until) - times.begin());
   }
 
-  Run judged(const std::string& strategy, const Trajectory& trajectory, const Report& report) {
+  Run verdict_of(const std::string& strategy, const Trajectory& trajectory, const Report& report) {
     Run run;
     run.strategy = strategy;
     if (const double residual = report.error.residual(); !std::isnan(residual)) run.backward_error = residual;

@@ -1,5 +1,5 @@
 #include "assur/backend.hpp"
-#include "commands/tell.hpp"
+#include "commands/print_result.hpp"
 #include "executors/step_code.hpp"
 #include "output/json.hpp"
 #include "output/notes.hpp"
@@ -11,14 +11,14 @@ namespace {
 using output::Json;
 using output::Table;
 
-struct Row {
+struct BackendState {
   const Backend& backend;
   std::string version, why_not, slowed;
 };
 
-Json to_json(const std::vector<Row>& rows) {
+Json to_json(const std::vector<BackendState>& rows) {
   Json list = Json::array();
-  for (const Row& row : rows) {
+  for (const BackendState& row : rows) {
     list.push_back({{"id", row.backend.id},
                     {"available", row.why_not.empty()},
                     {"why_not", output::or_null(row.why_not)},
@@ -31,11 +31,11 @@ Json to_json(const std::vector<Row>& rows) {
   return {{"backends", std::move(list)}, {"machine_code", code ? Json(code->vectors()) : Json(nullptr)}};
 }
 
-void print(output::Page& page, const std::vector<Row>& rows) {
+void print(output::Page& page, const std::vector<BackendState>& rows) {
   using enum Table::Align;
   Table table({left, left, left, left, left});
   table.row({"backend", "runs here", "version", "licence", "steady"});
-  for (const Row& row : rows) {
+  for (const BackendState& row : rows) {
     table.row({std::string(row.backend.id), row.why_not.empty() ? "yes" : "no", row.version,
                std::string(row.backend.licence), row.backend.steady ? "yes" : "no"});
   }
@@ -45,7 +45,7 @@ void print(output::Page& page, const std::vector<Row>& rows) {
   const auto code = step_code();
   page.fact("machine code", code ? code->vectors() + ", for steps of small groups with the backend lanes"
                                  : "none: it needs x86-64 with AVX2, and a build with AsmJit");
-  for (const Row& row : rows) {
+  for (const BackendState& row : rows) {
     if (!row.why_not.empty()) page.fact(row.backend.id, row.why_not);
   }
   for (const std::string& reason : output::slowed(assur::backends())) page.fact("slowed", reason);
@@ -54,12 +54,12 @@ void print(output::Page& page, const std::vector<Row>& rows) {
 }  // namespace
 
 int backends(const Common& common) {
-  std::vector<Row> rows;
+  std::vector<BackendState> rows;
   for (const Backend& backend : assur::backends()) {
     rows.push_back(
         {backend, backend.version(), backend.why_not(Shape{}, ThreadBudget{}), backend.slowed ? backend.slowed() : ""});
   }
-  tell(common, rows);
+  print_result(common, rows);
   return kDone;
 }
 

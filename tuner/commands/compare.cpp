@@ -7,7 +7,7 @@
 #include "assur/machine.hpp"
 #include "commands/commands.hpp"
 #include "commands/interrupt.hpp"
-#include "commands/tell.hpp"
+#include "commands/print_result.hpp"
 #include "db/libraries.hpp"
 #include "measure/step_times.hpp"
 #include "measure/work_precision.hpp"
@@ -102,7 +102,7 @@ int compare(const Common& common, const CompareOptions& options) {
     html.stream() << pictures::comparison_page(summary, origin(*known.model));
     html.put();
   }
-  tell(common, summary);
+  print_result(common, summary);
   if (result.interrupted) return kInterrupted;
   return has_time(result) ? kDone : kNumerical;
 }

@@ -42,7 +42,7 @@ Store store_to_change(const Common& common, bool may_be_new) {
 }
 
 // Prints the messages from opening the database.
-void tell(const Common& common, const Store& store) {
+void warn_of_database(const Common& common, const Store& store) {
   for (const std::string& message : store.messages()) {
     if (!common.quiet) std::cerr << "warning: " << message << '\n';
   }
@@ -139,7 +139,7 @@ int export_samples(const Common& common, const DbOptions& options) {
 int import_samples(const Common& common, const DbOptions& options) {
   db::require_readable(options.file);  // before a new database is created
   Store store = store_to_change(common, true);
-  tell(common, store);
+  warn_of_database(common, store);
   const db::Imported imported = store.import_from(options.file);
   return done(common,
               {{"database", store.file().string()},
@@ -194,7 +194,7 @@ int forget(const Common& common, const DbOptions& options) {
     throw Error(Error::Kind::input, "select the samples to forget: --run N, --machine TEXT, --library NAME, or --all");
   }
   Store store = store_to_change(common, false);
-  tell(common, store);
+  warn_of_database(common, store);
   const db::Forgotten forgotten = options.all ? store.forget_all() : store.forget(filter_of(options));
   return done(common, {{"database", store.file().string()}, {"samples", forgotten.samples}, {"runs", forgotten.runs}},
               output::counted(forgotten.samples, "sample") + " and " + output::counted(forgotten.runs, "tuning run") +

@@ -16,7 +16,7 @@ using output::Json;
 using output::Page;
 using output::Table;
 
-struct Row {
+struct DatabaseState {
   db::DatabaseFile place;
   std::string why_not;   // why it cannot be read
   bool refused = false;  // it exists, but cannot be read
@@ -36,8 +36,8 @@ std::string role(db::DatabaseFile::Role role) {
   return "";
 }
 
-Row look(const db::DatabaseFile& place) {
-  Row row{place, {}, false, {}, {}};
+DatabaseState look(const db::DatabaseFile& place) {
+  DatabaseState row{place, {}, false, {}, {}};
   try {
     const db::Store store(place.file, db::Access::read);
     row.runs = store.runs();
@@ -65,9 +65,9 @@ Json to_json(const db::Run& run) {
           {"note", run.note}};
 }
 
-Json to_json(const std::vector<Row>& rows) {
+Json to_json(const std::vector<DatabaseState>& rows) {
   Json list = Json::array();
-  for (const Row& row : rows) {
+  for (const DatabaseState& row : rows) {
     Json runs = Json::array();
     for (const db::Run& run : row.runs) runs.push_back(to_json(run));
     list.push_back({{"database", row.place.file.string()},
@@ -80,7 +80,7 @@ Json to_json(const std::vector<Row>& rows) {
   return list;
 }
 
-void print(Page& page, const Row& row, const std::string& here) {
+void print(Page& page, const DatabaseState& row, const std::string& here) {
   page.title(row.place.file.string());
   page.fact("role", role(row.place.role));
   if (!row.why_not.empty()) {
@@ -107,9 +107,9 @@ void print(Page& page, const Row& row, const std::string& here) {
 int db_info(const Common& common) {
   const std::vector<db::DatabaseFile> files = databases_of(common);
   const db::Host host = db::this_host();
-  std::vector<Row> rows;
+  std::vector<DatabaseState> rows;
   for (const db::DatabaseFile& file : files) rows.push_back(look(file));
-  const bool refused = std::any_of(rows.begin(), rows.end(), [](const Row& row) { return row.refused; });
+  const bool refused = std::any_of(rows.begin(), rows.end(), [](const DatabaseState& row) { return row.refused; });
   const MachineModel model = db::read_machine_model(files, host, db::library_at_hand);
   if (common.json) {
     output::print(std::cout, {{"machine", host.fingerprint()},
@@ -125,7 +125,7 @@ int db_info(const Common& common) {
   page.fact("used", output::counted(model.model->samples(), "sample"));
   if (!model.model->source().empty()) page.fact("", model.model->source());
   page.list("note", model.messages);
-  for (const Row& row : rows) {
+  for (const DatabaseState& row : rows) {
     page.gap();
     print(page, row, host.fingerprint());
   }

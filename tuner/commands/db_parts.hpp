@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "commands/commands.hpp"
-#include "db/places.hpp"
+#include "db/database_files.hpp"
 #include "db/store.hpp"
 
 namespace assur::command {

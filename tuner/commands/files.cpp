@@ -2,7 +2,7 @@
 #include <system_error>
 
 #include "commands/commands.hpp"
-#include "db/places.hpp"
+#include "db/database_files.hpp"
 
 namespace assur::command {
 namespace {

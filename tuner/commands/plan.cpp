@@ -6,7 +6,7 @@
 #include "assur/simulator.hpp"
 #include "commands/commands.hpp"
 #include "commands/plan_report.hpp"
-#include "commands/tell.hpp"
+#include "commands/print_result.hpp"
 #include "output/replace_file.hpp"
 #include "plan/preparation.hpp"
 
@@ -23,7 +23,7 @@ void save(const std::string& file, const Prepared& prepared) {
 
 // Only a simulator knows. It needs more memory than the plan of a large mechanism.
 std::optional<std::string> machine_code_of(const Prepared& prepared, Mode mode) {
-  constexpr std::size_t kMostGroups = 10'000;
+  constexpr std::size_t kMostGroups = 10'000;  // a choice: making a simulator of more takes longer than the plan
   if (mode == Mode::throughput || preparation(prepared).structure->groups.size() > kMostGroups) return std::nullopt;
   try {
     return Simulator(prepared).machine_code();
@@ -61,7 +61,7 @@ int plan(const Common& common, const PlanOptions& options) {
         candidates(choice.shape, {.model = known.model, .budget = budget, .without = options.without}));
     for (Candidate& c : of_class) c.strategy.run.formulation = prepared.plan().run.formulation;
   }
-  tell(common, summary);
+  print_result(common, summary);
   return kDone;
 }
 

@@ -13,7 +13,7 @@ using output::Json;
 
 Json samples_as_json() {
   Json list = Json::array();
-  for (const samples::Sample& sample : samples::table()) {
+  for (const samples::SampleMechanism& sample : samples::table()) {
     Json options = Json::array();
     for (const samples::Option& o : sample.options) {
       const bool is_word = o.kind == samples::Option::Kind::word;
@@ -40,7 +40,7 @@ void print_samples(output::Page& page) {
     page.gap();
   };
   std::vector<std::vector<std::string>> rows;
-  for (const samples::Sample& sample : samples::table()) {
+  for (const samples::SampleMechanism& sample : samples::table()) {
     std::string options;
     for (const samples::Option& o : sample.options) (options += options.empty() ? "; " : ", ") += o.name;
     const std::string counted = sample.counted.empty() ? "" : "[:" + std::string(sample.counted) + "]";

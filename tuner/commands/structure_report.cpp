@@ -334,8 +334,7 @@ void print(Page& page, const MotionRange& range) {
   const auto end = [&](const RangeEnd& e) {
     if (e.code == Code::ok) return value(e.reached) + ": no end up to here";
     return value(e.reached + (e.beyond - e.reached) / 2) + " ± " + error_figure(std::abs(e.beyond - e.reached) / 2) +
-           (e.group.empty() ? "" : (e.code == Code::limit_reached ? ", limit of " : ", group ") + e.group) + ": " +
-           explained(e.code);
+           place_of(e.code, e.group) + ": " + explained(e.code);
   };
   page.gap();
   page.fact("range", range.driver + ", now at " + value(range.start) + (range.unit.empty() ? "" : " " + range.unit));

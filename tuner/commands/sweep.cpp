@@ -31,19 +31,19 @@ using output::counted;
 using output::grouped;
 using output::Json;
 using output::Progress;
-using sweep::Row;
+using sweep::DesignSample;
 
 // Counts of all rows, and the best of them.
 struct Tally {
   std::int64_t rows = 0, done = 0, jammed = 0, not_assembled = 0;
-  std::size_t most = 0;     // samples to keep in `best`
-  std::vector<Row> best;    // arrived, with the smallest first figures; ascending
-  std::int64_t stride = 1;  // of the rows in `shown`, evenly spaced over the samples
-  std::vector<Row> shown;
+  std::size_t most = 0;            // samples to keep in `best`
+  std::vector<DesignSample> best;  // arrived, with the smallest first figures; ascending
+  std::int64_t stride = 1;         // of the rows in `shown`, evenly spaced over the samples
+  std::vector<DesignSample> shown;
   std::int64_t example = -1;  // the first sample with a known reason why it was not assembled
   std::string why;
 
-  void take(const Row& row) {
+  void take(const DesignSample& row) {
     if (rows % stride == 0) shown.push_back(row);
     ++rows;
     not_assembled += row.is_assembled() ? 0 : 1;
@@ -54,8 +54,9 @@ struct Tally {
     done += row.is_done() ? 1 : 0;
     jammed += row.is_assembled() && !row.is_done() ? 1 : 0;
     if (!row.is_done() || most == 0 || std::isnan(row.figures[0])) return;
-    const auto place = std::upper_bound(best.begin(), best.end(), row,
-                                        [](const Row& a, const Row& b) { return a.figures[0] < b.figures[0]; });
+    const auto place =
+        std::upper_bound(best.begin(), best.end(), row,
+                         [](const DesignSample& a, const DesignSample& b) { return a.figures[0] < b.figures[0]; });
     best.insert(place, row);
     if (best.size() > most) best.pop_back();
   }
@@ -123,7 +124,7 @@ class RowFile {
   [[nodiscard]] std::int64_t rows() const { return rows_; }
 
   // The next rows, or rows that the file has already: they must be equal.
-  void put(const Row& row, Tally& tally) {
+  void put(const DesignSample& row, Tally& tally) {
     const std::string line = sweep::Sweep::line_of(row);
     const std::int64_t at = row.sample - first_;
     if (at < rows_) {
@@ -164,7 +165,7 @@ class RowFile {
     complete_ = line.size() + 1;
     while (next()) {
       if (rows_ == wanted_) refuse_longer();
-      const Row row = sweep_.parse(line);
+      const DesignSample row = sweep_.parse(line);
       if (row.sample != first_ + rows_) {
         refuse("--out", name_ + " has sample " + std::to_string(row.sample) + " where this sweep has " +
                             std::to_string(first_ + rows_) + "; choose another file or remove it");
@@ -195,7 +196,7 @@ void print(const Common& common, const SweepOptions& options, const sweep::Desig
            std::int64_t wanted, const std::vector<std::string>& figures, double seconds) {
   if (common.json) {
     Json best = Json::array();
-    for (const Row& row : tally.best) {
+    for (const DesignSample& row : tally.best) {
       Json all = Json::object();
       for (std::size_t i = 0; i < figures.size(); ++i) all[figures[i]] = row.figures[i];
       best.push_back(
@@ -219,7 +220,7 @@ void print(const Common& common, const SweepOptions& options, const sweep::Desig
   page.fact("not assembled", grouped(tally.not_assembled));
   if (tally.example >= 0) page.fact("", "sample " + grouped(tally.example) + ": " + output::one_line(tally.why));
   std::vector<std::string> best;
-  for (const Row& row : tally.best) {
+  for (const DesignSample& row : tally.best) {
     std::string text = "sample " + grouped(row.sample) + ": " + figures[0] + " = " + output::number(row.figures[0]);
     for (std::size_t i = 0; i < row.parameters.size(); ++i) {
       text += ", " + space.ranges()[i].name + " = " + output::number(row.parameters[i]);
@@ -290,9 +291,9 @@ int sweep(const Common& common, const SweepOptions& options) {
   // The block of the last row of an earlier call is computed again, to compare it.
   for (std::int64_t b = (first + std::max<std::int64_t>(file.rows() - 1, 0)) / sweep::Sweep::kBlock;
        !stopped && b * sweep::Sweep::kBlock < last; ++b) {
-    const std::vector<Row> rows = sweep.block(b);
+    const std::vector<DesignSample> rows = sweep.block(b);
     stopped = rows.empty();
-    for (const Row& row : rows) {
+    for (const DesignSample& row : rows) {
       if (row.sample >= first && row.sample < last) file.put(row, tally);
     }
     file.flush();
@@ -303,7 +304,7 @@ int sweep(const Common& common, const SweepOptions& options) {
     pictures::SweepPage page{options.scene, {}, space.ranges(), sweep.figures(), std::move(tally.shown),
                              tally.best,    {}};
     page.about = {sentence_of(tally, last - first), "Shown: " + counted(page.rows.size(), "sample") + "."};
-    for (const Row& row : tally.best)
+    for (const DesignSample& row : tally.best)
       page.motions.push_back(moving_picture_of(prepare(scene_at(row.parameters), how), how, as_run));
     html.stream() << pictures::page_of(page);
     html.put();

@@ -122,14 +122,14 @@ std::vector<sweep::LinkageRow> rows_of(const sweep::LinkageSet& set, std::int64_
 }
 
 // The rows with the smallest distances from the target, ascending; at most `most`.
-std::vector<sweep::Row> best_of(const sweep::LinkageFile& file, std::int64_t most) {
+std::vector<sweep::DesignSample> best_of(const sweep::LinkageFile& file, std::int64_t most) {
   std::vector<std::pair<std::int64_t, double>> all = file.distances();
   std::erase_if(all, [](const auto& row) { return std::isnan(row.second); });
   const auto count = std::min(all.size(), static_cast<std::size_t>(most));
   std::partial_sort(
       all.begin(), all.begin() + static_cast<std::ptrdiff_t>(count), all.end(),
       [](const auto& a, const auto& b) { return std::tie(a.second, a.first) < std::tie(b.second, b.first); });
-  std::vector<sweep::Row> best;
+  std::vector<sweep::DesignSample> best;
   for (std::size_t i = 0; i < count; ++i) {
     best.push_back({.sample = all[i].first,
                     .parameters = {},
@@ -142,7 +142,7 @@ std::vector<sweep::Row> best_of(const sweep::LinkageFile& file, std::int64_t mos
 }
 
 void write_page(const Common& common, const SweepOptions& options, const sweep::LinkageSet& set,
-                const std::vector<sweep::Row>& best, output::Replacement& page) {
+                const std::vector<sweep::DesignSample>& best, output::Replacement& page) {
   pictures::SweepPage about{options.scene,
                             {"Distances of paths from the curve in " + options.target + ", in normal places."},
                             {},
@@ -152,7 +152,7 @@ void write_page(const Common& common, const SweepOptions& options, const sweep::
                             {}};
   PrepareOptions how;
   how.budget = common.threads > 0 ? ThreadBudget{common.threads} : this_machine().budget();
-  for (const sweep::Row& row : best) {
+  for (const sweep::DesignSample& row : best) {
     Linkage linkage;
     sweep::random_linkage(set.seed, static_cast<std::uint64_t>(row.sample), set.joints, linkage);
     const TimeGrid turn{0, 1, 1.0 / static_cast<double>(set.times.size())};
@@ -164,10 +164,10 @@ void write_page(const Common& common, const SweepOptions& options, const sweep::
 
 // before: samples of an earlier call.
 void print(const Common& common, const SweepOptions& options, const sweep::LinkageCounts& counts,
-           const std::vector<sweep::Row>& best, std::int64_t before, std::int64_t wanted, double seconds) {
+           const std::vector<sweep::DesignSample>& best, std::int64_t before, std::int64_t wanted, double seconds) {
   if (common.json) {
     Json list = Json::array();
-    for (const sweep::Row& row : best) {
+    for (const sweep::DesignSample& row : best) {
       list.push_back(
           {{"sample", row.sample}, {"parameters", Json::object()}, {"figures", {{"distance", row.figures[0]}}}});
     }
@@ -189,7 +189,7 @@ void print(const Common& common, const SweepOptions& options, const sweep::Linka
   page.fact("not assembled", grouped(counts.not_closed));
   if (counts.inaccurate > 0) page.fact("inaccurate", grouped(counts.inaccurate) + ", left out");
   std::vector<std::string> lines;
-  for (const sweep::Row& row : best) {
+  for (const sweep::DesignSample& row : best) {
     lines.push_back("sample " + grouped(row.sample) + ": distance = " + output::number(row.figures[0]));
   }
   page.list("best", lines);
@@ -236,7 +236,7 @@ int sweep_linkages(const Common& common, const SweepOptions& options) {
     progress.show(measure::StepTimes::steady() - begin, file.counts().samples, wanted);
   }
   progress.clear();
-  const std::vector<sweep::Row> best = best_of(file, options.best);
+  const std::vector<sweep::DesignSample> best = best_of(file, options.best);
   if (html) write_page(common, options, set, best, html);
   print(common, options, file.counts(), best, before, wanted, measure::StepTimes::steady() - begin);
   return interrupted ? kInterrupted : kDone;

@@ -9,8 +9,8 @@
 #include "commands/commands.hpp"
 #include "commands/db_parts.hpp"
 #include "commands/interrupt.hpp"
-#include "commands/tell.hpp"
-#include "db/places.hpp"
+#include "commands/print_result.hpp"
+#include "db/database_files.hpp"
 #include "measure/noise.hpp"
 #include "measure/pace.hpp"
 #include "measure/step_times.hpp"
@@ -76,14 +76,14 @@ double scatter_of(const std::vector<tuning::CellResult>& cells) {
   return scatter.empty() ? 0 : median(std::move(scatter));
 }
 
-measure::Judgement judgement_of(const tuning::Campaign& campaign, const measure::NoiseWatch& watch) {
+measure::NoiseAssessment assessment_of(const tuning::Campaign& campaign, const measure::NoiseWatch& watch) {
   measure::Noise noise = watch.noise();
   const measure::RaceFigures& race = campaign.figures().race;
   noise.disturbed = static_cast<double>(race.disturbed) / static_cast<double>(std::max<std::int64_t>(race.blocks, 1));
   noise.uneven = static_cast<double>(race.uneven) / static_cast<double>(std::max<std::int64_t>(race.shared, 1));
   noise.scatter = scatter_of(campaign.results());
   noise.drift = campaign.figures().drift();
-  return measure::judge(noise);
+  return measure::assess(noise);
 }
 
 db::Grade grade_of(measure::Quiet quiet) {
@@ -159,13 +159,13 @@ int tune(const Common& common, const TuneOptions& options) {
   if (options.scenes.empty()) tuning::refine(campaign, profile.until_settled);
   progress.clear();
 
-  const measure::Judgement judgement = judgement_of(campaign, watch);
+  const measure::NoiseAssessment noise = assessment_of(campaign, watch);
   output::TuningSummary summary;
   summary.run = archive.run();
   summary.database = archive.file();
   summary.profile = name_of(profile, options);
-  summary.grade = name(grade_of(judgement.quiet));
-  summary.reason = judgement.reason;
+  summary.grade = name(grade_of(noise.quiet));
+  summary.reason = noise.reason;
   summary.figures = campaign.figures();
   summary.regret = tuning::regret(tuning::model_of(campaign.results()), campaign.results());
   summary.failed = probes.failed();
@@ -173,11 +173,11 @@ int tune(const Common& common, const TuneOptions& options) {
   summary.seconds = measure::StepTimes::steady() - begin;
   const bool nothing = summary.figures.measured == 0;  // then the next run continues this one
   if (!summary.figures.interrupted && !nothing) {
-    archive.finish({grade_of(judgement.quiet), summary.seconds, summary.figures.coverage(), judgement.reason},
+    archive.finish({grade_of(noise.quiet), summary.seconds, summary.figures.coverage(), noise.reason},
                    to_json(summary).dump());
   }
   if (csv) write_csv(csv, campaign.results());
-  tell(common, summary);
+  print_result(common, summary);
   if (summary.figures.interrupted) return kInterrupted;
   if (!nothing) return kDone;
   std::cerr << "error: nothing was measured in " << output::duration(profile.seconds)

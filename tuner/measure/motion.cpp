@@ -240,7 +240,7 @@ bool Crowd::run(int calls) {
 
 // ---- step
 
-WholeStep::WholeStep(const Prepared& prepared, const std::vector<int>& cores, int iterations)
+StepWorkload::StepWorkload(const Prepared& prepared, const std::vector<int>& cores, int iterations)
     : pin_to_(prepared.plan().run.threads > 1 && idx(prepared.plan().run.threads) <= cores.size() ? cores
                                                                                                   : std::vector<int>{}),
       simulator_(prepared, {.iterations = iterations, .pin_to = pin_to_}),
@@ -250,9 +250,9 @@ WholeStep::WholeStep(const Prepared& prepared, const std::vector<int>& cores, in
   }
 }
 
-bool WholeStep::advance() { return simulator_.step(grid_.time(next_++)).arrived(); }
+bool StepWorkload::advance() { return simulator_.step(grid_.time(next_++)).arrived(); }
 
-void WholeStep::get_ready(int calls) {
+void StepWorkload::get_ready(int calls) {
   if (simulator_.prepared().plan().run.threads > 1) {
     repeat_for(pin_to_.empty() ? kUntilSpread : kUntilAwake, [this] { (void)run(4); });
   } else {
@@ -264,7 +264,7 @@ void WholeStep::get_ready(int calls) {
   }
 }
 
-bool WholeStep::run(int calls) {
+bool StepWorkload::run(int calls) {
   std::optional<Pinned> here;  // pins the calling thread, like a run
   if (!pin_to_.empty()) here.emplace(pin_to_[0]);
   bool ok = true;

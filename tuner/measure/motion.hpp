@@ -58,11 +58,11 @@ class Crowd final : public Workload {
 };
 
 // One call is one step of a whole mechanism over its time grid; after the end it begins again.
-class WholeStep final : public Workload {
+class StepWorkload final : public Workload {
  public:
   // cores: a processor of each core; several threads get one each if there are enough. iterations: see StepSettings.
   // Throws Error like Simulator, and (numerical) if the first steps fail.
-  explicit WholeStep(const Prepared& prepared, const std::vector<int>& cores = {}, int iterations = 0);
+  explicit StepWorkload(const Prepared& prepared, const std::vector<int>& cores = {}, int iterations = 0);
 
   void get_ready(int calls) override;
   bool run(int calls) override;

@@ -55,8 +55,8 @@ Noise NoiseWatch::noise() const {
   return out;
 }
 
-Judgement judge(const Noise& noise) {
-  Judgement out;
+NoiseAssessment assess(const Noise& noise) {
+  NoiseAssessment out;
   for (const Threshold& t : kThresholds) {
     const double value = noise.*t.what;
     if (value < t.some) continue;

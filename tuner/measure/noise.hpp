@@ -33,11 +33,11 @@ class NoiseWatch {
 
 enum class Quiet { yes, some_noise, noisy };
 
-struct Judgement {
+struct NoiseAssessment {
   Quiet quiet = Quiet::yes;
   std::string reason;  // "" if quiet
 };
 
-[[nodiscard]] Judgement judge(const Noise& noise);
+[[nodiscard]] NoiseAssessment assess(const Noise& noise);
 
 }  // namespace assur::measure

@@ -19,9 +19,9 @@
 namespace assur::measure {
 namespace {
 
-constexpr double kBlock = 20e-6;  // s, duration of each of the three timed blocks
-constexpr int kMostCalls = 1 << 20;
-constexpr std::int32_t kLegs = 1;  // class of the legs; the other class is the platform
+constexpr double kBlock = 20e-6;     // s, duration of each of the three timed blocks
+constexpr int kMostCalls = 1 << 20;  // in a block, for work that takes no time
+constexpr std::int32_t kLegs = 1;    // class of the legs; the other class is the platform
 
 std::vector<std::int32_t> first_cores(int threads) {
   std::vector<std::int32_t> cores = this_machine().cores;

@@ -15,7 +15,7 @@
 
 namespace assur::measure {
 namespace {
-constexpr int kMostCalls = 1 << 20;
+constexpr int kMostCalls = 1 << 20;   // in a block, for work that takes no time
 constexpr double kShort = 1e-3;       // s; a longer block warms the caches by itself
 constexpr double kPrecise = 0.005;    // relative difference of two medians that is too small to matter
 constexpr double kMoment = 1e-3;      // s for which a measured slowness of the machine is valid

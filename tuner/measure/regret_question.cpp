@@ -28,7 +28,7 @@ struct Racer {
   std::string text;
   Prepared prepared;
   std::vector<std::string> others = {};  // other texts with the same plan
-  std::unique_ptr<WholeStep> step = nullptr;
+  std::unique_ptr<StepWorkload> step = nullptr;
   double first_seconds = 0;  // s, of its first steps
   double seconds = HUGE_VAL, spread = 0;
   std::size_t rounds = 0;
@@ -42,7 +42,7 @@ bool enter(Racer& racer) {
   try {
     // Each thread has its core, because in a race of many teams the system places threads at random.
     static const std::vector<int> kCores = this_machine().cores;
-    racer.step = std::make_unique<WholeStep>(racer.prepared, kCores);
+    racer.step = std::make_unique<StepWorkload>(racer.prepared, kCores);
     const double begin = StepTimes::steady();
     const bool runs = racer.step->run(3);
     racer.first_seconds = StepTimes::steady() - begin;

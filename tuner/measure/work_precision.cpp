@@ -22,7 +22,7 @@ struct Entrant {
   std::optional<Prepared> prepared = std::nullopt;  // empty until enter()
   std::string essence = {};
   std::uint64_t motion = 0;  // hash of the trajectory
-  std::unique_ptr<WholeStep> step = nullptr;
+  std::unique_ptr<StepWorkload> step = nullptr;
 
   [[nodiscard]] bool runs() const { return step != nullptr; }
 };
@@ -199,7 +199,7 @@ class Comparison {
       e.row.status = "another motion";
       return;
     }
-    e.step = std::make_unique<WholeStep>(*e.prepared, cores_, e.row.iterations);
+    e.step = std::make_unique<StepWorkload>(*e.prepared, cores_, e.row.iterations);
   }
 
   std::optional<ForwardError> error_of(const Entrant& e, const Trajectory& motion) {

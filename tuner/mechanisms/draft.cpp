@@ -41,7 +41,7 @@ Draft::Draft(int d, Draw& c, std::string tables) : chance(c), dimension(d), tabl
   if (chance.one_in(2)) rough = chance.real(10, 120) * std::numbers::pi / 180;
 }
 
-Place Draft::written(const Part& part) const {
+Place Draft::written(const Drawn& part) const {
   Place p{};
   for (int k = 0; k < 3; ++k) p = p + part.place[k] * rotation_[static_cast<std::size_t>(k)];
   return part.is_point ? scale_ * p + shift_ : p;
@@ -303,7 +303,7 @@ std::string Draft::finish(const std::string& name, double off) {
     if (at_[part].is_point) size = std::max(size, norm(at_[part].place - 1.0 / points * centre));
   }
   for (const std::string& part : order_) {
-    Part p = at_[part];
+    Drawn p = at_[part];
     if (!p.fixed && off > 0 && exact_.count(part) == 0) {
       if (p.is_point) {
         const double most = 0.3 * size * off / (2 * std::numbers::pi / 3);

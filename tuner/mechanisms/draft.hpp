@@ -93,12 +93,12 @@ class Draft {
   double rough = 0;  // error of the guesses; if not 0, all values are written out
 
  private:
-  struct Part {
+  struct Drawn {
     Place place;
     bool is_point, fixed;
   };
   void put(const std::string& name, const Place& at, bool is_point, bool fixed);
-  [[nodiscard]] Place written(const Part& part) const;  // rotated, scaled and shifted
+  [[nodiscard]] Place written(const Drawn& part) const;  // rotated, scaled and shifted
   [[nodiscard]] Json numbers(const Place& p) const;
   [[nodiscard]] Json name_of(const Way& d) const;
   [[nodiscard]] bool is_length(const Way& d) const { return !d.second.empty(); }
@@ -110,7 +110,7 @@ class Draft {
 
   std::string tables_;
   Json json_;
-  std::map<std::string, Part> at_;
+  std::map<std::string, Drawn> at_;
   std::vector<std::string> order_;
   std::map<std::string, int> cluster_;
   std::map<std::string, bool> exact_;

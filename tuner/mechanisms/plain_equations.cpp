@@ -66,7 +66,7 @@ TimeJet<Real> arc(const TimeJet<Real>& y, const TimeJet<Real>& x) {
 // A length that is zero within rounding has no derivatives, unless it is at rest.
 // size: magnitude of the numbers that v is computed from; fastest: largest rate of the motion.
 TimeJet<Real> length_of(const Spatial<TimeJet<Real>>& v, Real size, Real fastest) {
-  constexpr Real kNothing = 1e-12L;
+  constexpr Real kNothing = 1e-12L;  // relative; doubles in the scene leave 1e-16 times the sizes
   const TimeJet<Real> square = dot(v, v);
   if (square.value > kNothing * size * kNothing * size) return sqrt(square);
   const auto norm = [&](Real TimeJet<Real>::*of) {

@@ -13,9 +13,9 @@ constexpr double kShortest = 0x1p-34;   // share of the way; if steps become sho
 constexpr int kMostAttempts = 100'000;  // of one call; the motion ends at the next failure
 constexpr double kVolume = 0.7;       // largest change of log(volume of the Jacobian) in a step, to miss no singularity
 constexpr double kCorrection = 0.05;  // largest first correction, relative to the step
-constexpr double kContraction = 0.1;
-constexpr double kConverged = 1e-11;
-constexpr double kMeet = 1e-7;  // share of the way; two points that turn far round each other within it have met
+constexpr double kContraction = 0.1;  // each correction is at most this part of the one before
+constexpr double kConverged = 1e-11;  // last correction, relative to the unknowns
+constexpr double kMeet = 1e-7;        // share of the way; two points that turn far round each other within it have met
 
 template <class T, class F>
 std::vector<PlainEquations::Input<T>> inputs(const std::vector<TimeJet<Real>>& laws, const F& of) {

@@ -13,6 +13,7 @@ struct Family {
   int dimension;
   void (*draw)(Draft&);
 };
+// Another family changes the mechanism of every seed, also of those that tests keep.
 constexpr Family kFamilies[] = {{"planar_chain", 2, planar_chain},
                                 {"planar_platform", 2, planar_platform},
                                 {"six_bar", 2, six_bar},

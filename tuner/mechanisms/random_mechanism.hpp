@@ -13,7 +13,7 @@ namespace assur::mechanisms {
 
 struct RandomMechanism {
   std::uint64_t seed = 0;
-  std::string family;  // "four_bar_chain", "delta", ...
+  std::string family;  // "planar_chain", "delta", ...
   std::string json;    // the scene in the scene format
   std::string tables;  // the folder of its tables
   std::string exact;   // the same scene with exact guesses

@@ -47,11 +47,13 @@ Json solver(int group) {
 
 std::string kind_name(Drawing::Kind kind) {
   static constexpr std::array kNames = {"rod", "actuator", "relation"};
+  static_assert(kNames.size() == static_cast<std::size_t>(Drawing::Kind::relation) + 1);
   return kNames[static_cast<std::size_t>(kind)];
 }
 
 std::string symbol_name(Drawing::Symbol symbol) {
   static constexpr std::array kNames = {"revolute", "prismatic", "cylindrical", "spherical", "universal", "planar"};
+  static_assert(kNames.size() == static_cast<std::size_t>(Drawing::Symbol::planar) + 1);
   return kNames[static_cast<std::size_t>(symbol)];
 }
 

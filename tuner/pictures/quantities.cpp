@@ -11,10 +11,7 @@ namespace {
 
 std::string unit_of(const OutputPart& part, std::size_t derivative) {
   static constexpr std::array kPerTime = {"", "/s", "/s²"};
-  using Kind = MeasureForms::Kind;
-  const bool is_angle =
-      part.kind != Kind::form && part.kind != Kind::distance && part.kind != Kind::sum && !is_quaternion(part.kind);
-  std::string unit = is_angle ? "rad" : part.dimension == 1 ? "m" : part.dimension == 2 ? "m²" : "";
+  std::string unit = is_angle(part.kind) ? "rad" : part.dimension == 1 ? "m" : part.dimension == 2 ? "m²" : "";
   if (unit.empty() && derivative > 0) unit = "1";
   return unit + kPerTime[derivative];
 }

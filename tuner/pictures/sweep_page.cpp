@@ -12,7 +12,7 @@ namespace assur::pictures {
 namespace {
 
 using output::number;
-using sweep::Row;
+using sweep::DesignSample;
 
 constexpr Size kSmall = {480, 340};
 constexpr std::size_t kMostPairs = 6;  // plots of one parameter over another
@@ -21,7 +21,7 @@ constexpr std::string_view kStyle =
     ".grid{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,22rem),1fr));gap:1rem}"
     ".grid>div{min-width:0}.grid svg,.grid img{width:100%;height:auto}.grid p{margin:0}";
 
-std::string about(const SweepPage& page, const Row& row) {
+std::string about(const SweepPage& page, const DesignSample& row) {
   std::string text = "sample " + std::to_string(row.sample) + ", " + row.status;
   for (std::size_t i = 0; i < page.ranges.size(); ++i) {
     text += ", " + page.ranges[i].name + " = " + number(row.parameters[i]);
@@ -37,11 +37,11 @@ std::vector<Series> series_of(const SweepPage& page, const X& x, const Y& y) {
   all[1] = {.name = "jammed", .points = {}, .colour = 1, .mark = Series::Mark::cross};
   all[2] = {.name = "not assembled", .points = {}, .colour = 2, .mark = Series::Mark::plus};
   all[3] = {.name = "best", .points = {}, .colour = Series::kInk, .mark = Series::Mark::diamond};
-  const auto add = [&](Series& series, const Row& row) {
+  const auto add = [&](Series& series, const DesignSample& row) {
     if (std::isfinite(y(row))) series.points.push_back({x(row), y(row), about(page, row)});
   };
-  for (const Row& row : page.rows) add(all[row.is_done() ? 0 : row.is_assembled() ? 1 : 2], row);
-  for (const Row& row : page.best) add(all[3], row);
+  for (const DesignSample& row : page.rows) add(all[row.is_done() ? 0 : row.is_assembled() ? 1 : 2], row);
+  for (const DesignSample& row : page.best) add(all[3], row);
   std::erase_if(all, [](const Series& s) { return s.points.empty(); });
   return all;
 }
@@ -57,13 +57,13 @@ Axis axis(std::string title) { return {std::move(title), false, number}; }
 std::string plots_of_figure(const SweepPage& page, std::size_t f) {
   std::string plots;
   for (std::size_t p = 0; p < page.ranges.size(); ++p) {
-    plots += drawn_in_grid(
-        {.title = page.figures[f] + " over " + page.ranges[p].name,
-         .x = axis(page.ranges[p].name),
-         .y = axis(page.figures[f]),
-         .series = series_of(
-             page, [p](const Row& row) { return row.parameters[p]; }, [f](const Row& row) { return row.figures[f]; }),
-         .guides = {}});
+    plots += drawn_in_grid({.title = page.figures[f] + " over " + page.ranges[p].name,
+                            .x = axis(page.ranges[p].name),
+                            .y = axis(page.figures[f]),
+                            .series = series_of(
+                                page, [p](const DesignSample& row) { return row.parameters[p]; },
+                                [f](const DesignSample& row) { return row.figures[f]; }),
+                            .guides = {}});
   }
   if (plots.empty()) return {};
   return "<h2>" + escaped(page.figures[f]) + "</h2>\n<div class=\"grid\">\n" + plots + "</div>\n";
@@ -79,8 +79,8 @@ std::string plots_of_ends(const SweepPage& page) {
                               .x = axis(page.ranges[p].name),
                               .y = axis(page.ranges[q].name),
                               .series = series_of(
-                                  page, [p](const Row& row) { return row.parameters[p]; },
-                                  [q](const Row& row) { return row.parameters[q]; }),
+                                  page, [p](const DesignSample& row) { return row.parameters[p]; },
+                                  [q](const DesignSample& row) { return row.parameters[q]; }),
                               .guides = {}});
     }
   }
@@ -114,7 +114,7 @@ std::string best_of(const SweepPage& page) {
   }
   std::string motions;
   for (std::size_t i = 0; i < page.best.size(); ++i) {
-    const Row& row = page.best[i];
+    const DesignSample& row = page.best[i];
     HtmlTable::Row& cells = table.rows.emplace_back();
     cells.cells = {std::to_string(i + 1), std::to_string(row.sample)};
     for (const double value : row.parameters) cells.cells.push_back(output::number(value));

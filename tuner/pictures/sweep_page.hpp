@@ -14,8 +14,8 @@ struct SweepPage {
   std::vector<std::string> about;  // a sentence each
   std::vector<sweep::Range> ranges;
   std::vector<std::string> figures;
-  std::vector<sweep::Row> rows;  // those to show
-  std::vector<sweep::Row> best;
+  std::vector<sweep::DesignSample> rows;  // those to show
+  std::vector<sweep::DesignSample> best;
   std::vector<std::string> motions;  // SVG of each of the best; "": none
 };
 

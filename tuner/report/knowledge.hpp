@@ -9,7 +9,7 @@
 
 #include "assur/machine.hpp"
 #include "assur/performance.hpp"
-#include "db/places.hpp"
+#include "db/database_files.hpp"
 #include "db/store.hpp"
 
 namespace assur::report {

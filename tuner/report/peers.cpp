@@ -16,7 +16,7 @@ constexpr std::string_view kHead =
     "comment";
 constexpr std::array<std::string_view, 3> kLevels = {"position", "and velocity", "and acceleration"};
 
-struct Row {
+struct PeerTiming {
   std::string peer, mechanism, comment;
   int levels = 1, repetitions = 0;
   double seconds = 0, spread = 0, error = 0;  // largest of the computed levels
@@ -32,16 +32,16 @@ class Reader {
  public:
   Reader(std::istream& in, std::string file) : in_(in), file_(std::move(file)) {}
 
-  std::vector<Row> rows() {
+  std::vector<PeerTiming> rows() {
     std::string text;
     std::getline(in_, text);
     if (text != kHead) fail("expects the line " + std::string(kHead) + ", as bench/peers/peers.sh --csv writes it");
-    std::vector<Row> out;
+    std::vector<PeerTiming> out;
     while (std::getline(in_, text)) {
       ++line_;
       const std::vector<std::string> c = cells(text);
       if (c.size() < 10) fail("expects 11 columns");
-      Row row{c[0], c[1], c.size() > 10 ? c[10] : ""};
+      PeerTiming row{c[0], c[1], c.size() > 10 ? c[10] : ""};
       row.levels = static_cast<int>(number(c[2]));
       row.seconds = number(c[4]);
       row.spread = number(c[5]);
@@ -72,9 +72,9 @@ class Reader {
 };
 
 // The fastest row of assur with the same mechanism and levels; null if there is none.
-const Row* ours(const std::vector<Row>& rows, const Row& of) {
-  const Row* best = nullptr;
-  for (const Row& r : rows) {
+const PeerTiming* ours(const std::vector<PeerTiming>& rows, const PeerTiming& of) {
+  const PeerTiming* best = nullptr;
+  for (const PeerTiming& r : rows) {
     if (!r.peer.starts_with("assur") || r.mechanism != of.mechanism || r.levels != of.levels) continue;
     if (best == nullptr || r.seconds < best->seconds) best = &r;
   }
@@ -90,9 +90,9 @@ Section peers_section(std::istream& in, const std::string& file) {
       {"mechanism", "library", "levels computed", "step", "over assur", "repetitions", "spread", "error", "how"},
       {text, text, text, number, number, number, number, number, words},
       {}};
-  const std::vector<Row> rows = Reader(in, file).rows();
-  for (const Row& r : rows) {
-    const Row* own = ours(rows, r);
+  const std::vector<PeerTiming> rows = Reader(in, file).rows();
+  for (const PeerTiming& r : rows) {
+    const PeerTiming* own = ours(rows, r);
     const std::string levels(kLevels[static_cast<std::size_t>(r.levels - 1)]);
     Measurement m{r.mechanism + ", " + levels,
                   r.peer,

@@ -64,9 +64,9 @@ std::string state_of(bool interrupted, bool done, double seconds) {
 }
 
 std::string quiet_text(const measure::NoiseWatch& watch) {
-  const measure::Judgement judgement = measure::judge(watch.noise());
-  return judgement.quiet == measure::Quiet::yes ? " The machine was quiet."
-                                                : " The machine was not quiet: " + judgement.reason + ".";
+  const measure::NoiseAssessment noise = measure::assess(watch.noise());
+  return noise.quiet == measure::Quiet::yes ? " The machine was quiet."
+                                            : " The machine was not quiet: " + noise.reason + ".";
 }
 
 Section peers_of(const std::string& file) {

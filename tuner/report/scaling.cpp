@@ -44,7 +44,7 @@ class Contest {
   // Enters steps of a mechanism. item: name in the CSV.
   void enter(const std::string& item, const std::string& scene, const std::string& strategy) {
     try {
-      enter<measure::WholeStep>(item, strategy, 1, prepare(sample(scene), how(strategy)), cores_);
+      enter<measure::StepWorkload>(item, strategy, 1, prepare(sample(scene), how(strategy)), cores_);
     } catch (const Error&) {
       // this strategy cannot run here; `assur backends` explains why
     }
@@ -61,13 +61,13 @@ class Contest {
   // Runs the race; returns the candidates with a time, in their order.
   std::vector<Measurement> hold(double seconds) {
     std::vector<measure::Runner> runners;
-    for (Entry& e : entries_) runners.push_back({.work = e.work.get()});
+    for (RaceCandidate& e : entries_) runners.push_back({.work = e.work.get()});
     (void)measure::race(runners, {.seconds = seconds, .least_rounds = 9, .most_rounds = 31, .hopeless = 1e9},
                         conditions_.instruments());
     std::vector<Measurement> times;
     for (std::size_t i = 0; i < runners.size(); ++i) {
       const measure::Runner& r = runners[i];
-      const Entry& e = entries_[i];
+      const RaceCandidate& e = entries_[i];
       if (r.failed || r.seconds.empty() || !(e.error() < kWrong)) continue;
       times.push_back({e.item, e.strategy, "seconds per step", "s", r.median() / e.steps, "measured",
                        static_cast<int>(r.seconds.size()), r.spread() / r.median(), e.error()});
@@ -79,7 +79,7 @@ class Contest {
 
  private:
   // A candidate of a race; steps: in one call.
-  struct Entry {
+  struct RaceCandidate {
     std::string item, strategy;
     double steps;
     std::unique_ptr<measure::Workload> work;
@@ -99,7 +99,7 @@ class Contest {
   Section& out_;
   const Conditions& conditions_;
   std::vector<int> cores_;
-  std::vector<Entry> entries_;
+  std::vector<RaceCandidate> entries_;
 };
 
 // Speed-ups over the first time of the same scene and solver.

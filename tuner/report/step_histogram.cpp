@@ -18,9 +18,9 @@ namespace {
 constexpr const char* kScene = "stewart";
 constexpr int kWarm = 1000;  // first steps, not timed, until memory is in the cache and threads are awake
 constexpr double kLeastSeconds = 0.3, kMostSeconds = 10;  // s; shorter runs show no tail, longer ones nothing new
-constexpr std::int64_t kMostSteps = 2'000'000;
-constexpr int kBetweenLooks = 500;  // readings of the clock between checks of the remaining time
-constexpr int kBins = 80;
+constexpr std::int64_t kMostSteps = 2'000'000;            // 16 MB of times
+constexpr int kBetweenLooks = 500;                        // readings of the clock between checks of the remaining time
+constexpr int kBins = 80;                                 // columns of the picture
 
 struct Timed {
   measure::StepTimes::Blocks blocks;

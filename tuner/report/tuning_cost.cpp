@@ -8,7 +8,7 @@
 namespace assur::report {
 namespace {
 
-constexpr int kStages = 20;
+constexpr int kStages = 20;  // points of the curve: the model after each twentieth of the samples
 
 }  // namespace
 

@@ -65,17 +65,22 @@ std::vector<double> DesignSpace::point(std::int64_t k) const {
   const std::size_t d = ranges_.size();
   std::vector<double> share(d);  // of each range
   const auto number = static_cast<std::uint64_t>(k);
-  if (sampler_ == Sampler::grid) {
-    for (std::size_t i = d; i-- > 0; k /= side_) {
-      share[i] = side_ == 1 ? 0.5 : static_cast<double>(k % side_) / static_cast<double>(side_ - 1);
+  switch (sampler_) {
+    case Sampler::grid:
+      for (std::size_t i = d; i-- > 0; k /= side_) {
+        share[i] = side_ == 1 ? 0.5 : static_cast<double>(k % side_) / static_cast<double>(side_ - 1);
+      }
+      break;
+    case Sampler::random:
+      for (std::size_t i = 0; i < d; ++i) share[i] = unit(random_bits(seed_, number, i));
+      break;
+    case Sampler::sobol: {
+      std::vector<std::uint64_t> bits(d);
+      sobol(number, bits);
+      constexpr std::uint64_t kShift = ~std::uint64_t{0};  // a number that no point has
+      for (std::size_t i = 0; i < d; ++i) share[i] = unit(bits[i] ^ random_bits(seed_, kShift, i));
+      break;
     }
-  } else if (sampler_ == Sampler::random) {
-    for (std::size_t i = 0; i < d; ++i) share[i] = unit(random_bits(seed_, number, i));
-  } else {
-    std::vector<std::uint64_t> bits(d);
-    sobol(number, bits);
-    constexpr std::uint64_t kShift = ~std::uint64_t{0};  // a number that no point has
-    for (std::size_t i = 0; i < d; ++i) share[i] = unit(bits[i] ^ random_bits(seed_, kShift, i));
   }
   std::vector<double> values(d);
   for (std::size_t i = 0; i < d; ++i) {

@@ -9,7 +9,7 @@
 #include "equations/outputs.hpp"
 #include "numbers.hpp"
 #include "output/format.hpp"
-#include "runs/row_takers.hpp"
+#include "runs/row_consumers.hpp"
 #include "scene/names.hpp"
 #include "structure/grouped_system.hpp"
 
@@ -18,14 +18,23 @@ namespace {
 
 constexpr std::size_t kRowsAtOnce = 1024;  // of a member
 
-double figure_of(const ColumnSummary& s, const std::string& name) {
-  if (name == "min") return s.minimum;
-  if (name == "max") return s.maximum;
-  if (name == "min_time") return s.minimum_time;
-  if (name == "max_time") return s.maximum_time;
-  if (name == "mean") return s.mean;
-  if (name == "last") return s.last;
-  return s.range();
+struct NamedFigure {
+  std::string_view name;
+  double (*of)(const ColumnSummary& column);
+};
+constexpr NamedFigure kFigures[] = {{"min", [](const ColumnSummary& c) { return c.minimum; }},
+                                    {"max", [](const ColumnSummary& c) { return c.maximum; }},
+                                    {"min_time", [](const ColumnSummary& c) { return c.minimum_time; }},
+                                    {"max_time", [](const ColumnSummary& c) { return c.maximum_time; }},
+                                    {"mean", [](const ColumnSummary& c) { return c.mean; }},
+                                    {"last", [](const ColumnSummary& c) { return c.last; }},
+                                    {"range", [](const ColumnSummary& c) { return c.range(); }}};
+
+double figure_of(const ColumnSummary& column, std::string_view name) {
+  for (const NamedFigure& figure : kFigures) {
+    if (figure.name == name) return figure.of(column);
+  }
+  throw Error(Error::Kind::input, "no figure is called " + std::string(name));
 }
 
 // How often a limit was exceeded, or ended the motion.
@@ -79,7 +88,11 @@ void check_same_times(const Scene& one, const Scene& other) {
 }
 
 const std::vector<std::string>& figure_names() {
-  static const std::vector<std::string> kNames = {"min", "max", "min_time", "max_time", "mean", "last", "range"};
+  static const std::vector<std::string> kNames = [] {
+    std::vector<std::string> names;
+    for (const NamedFigure& figure : kFigures) names.emplace_back(figure.name);
+    return names;
+  }();
   return kNames;
 }
 
@@ -113,15 +126,15 @@ Ensemble Sweep::make(std::vector<double> values) const {
   return {scene_, std::move(names), std::move(values), how_, settings_};
 }
 
-std::vector<Row> Sweep::block(std::int64_t b) {
+std::vector<DesignSample> Sweep::block(std::int64_t b) {
   const std::vector<double> values = values_of(b);
   const std::size_t parameters = space_.ranges().size();
-  std::vector<Row> rows(values.size() / parameters);
+  std::vector<DesignSample> rows(values.size() / parameters);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const auto point = values.begin() + static_cast<std::ptrdiff_t>(i * parameters);
     rows[i].sample = b * kBlock + static_cast<std::int64_t>(i);
     rows[i].parameters.assign(point, point + static_cast<std::ptrdiff_t>(parameters));
-    rows[i].status = Row::kNotAssembled;
+    rows[i].status = DesignSample::kNotAssembled;
     rows[i].reached = kNan;
     rows[i].figures.assign(figures().size(), kNan);
   }
@@ -141,18 +154,18 @@ std::vector<Row> Sweep::block(std::int64_t b) {
     }
   } catch (const Error& e) {
     if (ensemble_ || !none_can_be_prepared(e)) throw;
-    for (Row& row : rows) row.why = e.what();  // the first reason
+    for (DesignSample& row : rows) row.why = e.what();  // the first reason
   }
-  return settings_.stop && settings_.stop() ? std::vector<Row>() : rows;
+  return settings_.stop && settings_.stop() ? std::vector<DesignSample>() : rows;
 }
 
-void Sweep::run(Ensemble& ensemble, std::vector<Row>& rows) {
+void Sweep::run(Ensemble& ensemble, std::vector<DesignSample>& rows) {
   std::vector<ColumnSummary> summaries(rows.size() * columns_.size());
   std::vector<std::size_t> all(columns_.size());
   std::iota(all.begin(), all.end(), std::size_t{0});
-  std::vector<RowSummary> takers;
+  std::vector<RowSummary> consumers;
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    takers.emplace_back(all, std::span(summaries).subspan(i * columns_.size(), columns_.size()));
+    consumers.emplace_back(all, std::span(summaries).subspan(i * columns_.size(), columns_.size()));
   }
   RowSelection selection{columns_};
   if (trace_) {
@@ -162,7 +175,7 @@ void Sweep::run(Ensemble& ensemble, std::vector<Row>& rows) {
   }
   const auto sink = [&](const MemberRows& of) {
     const std::size_t width = selection.columns.size();
-    for (std::size_t k = 0; k < of.times.size(); ++k) takers[of.member].take(of.times[k], &of.values[k * width]);
+    for (std::size_t k = 0; k < of.times.size(); ++k) consumers[of.member].add_row(of.times[k], &of.values[k * width]);
     if (!trace_) return;
     std::vector<PlanePoint> path;
     for (std::size_t k = 0; k < of.times.size(); ++k) {
@@ -178,7 +191,7 @@ void Sweep::run(Ensemble& ensemble, std::vector<Row>& rows) {
     if (!outcome.cannot.empty()) continue;
     rows[i].status = name(outcome.status.code);
     rows[i].reached = outcome.reached;
-    takers[i].finish();
+    consumers[i].finish();
     std::size_t to = trace_ ? 1 : 0;
     if (trace_ && !rows[i].is_done()) rows[i].figures[0] = kNan;
     if (!scene_.limits().empty()) rows[i].figures[to++] = times_exceeded(outcome);
@@ -215,7 +228,7 @@ std::string Sweep::header() const {
   return line;
 }
 
-std::string Sweep::line_of(const Row& row) {
+std::string Sweep::line_of(const DesignSample& row) {
   std::string line = std::to_string(row.sample);
   for (const double p : row.parameters) line += "," + text_of(p);
   line += "," + row.status + "," + text_of(row.reached);
@@ -223,7 +236,7 @@ std::string Sweep::line_of(const Row& row) {
   return line;
 }
 
-Row Sweep::parse(const std::string& line) const {
+DesignSample Sweep::parse(const std::string& line) const {
   std::vector<std::string> cells(1);
   for (const char c : line) {
     if (c == ',') {
@@ -234,7 +247,7 @@ Row Sweep::parse(const std::string& line) const {
   }
   const std::size_t parameters = space_.ranges().size(), figures = this->figures().size();
   if (cells.size() != 3 + parameters + figures) refuse_line(line);
-  Row row;
+  DesignSample row;
   const std::string& sample = cells[0];
   const auto [end, trouble] = std::from_chars(sample.data(), sample.data() + sample.size(), row.sample);
   if (trouble != std::errc() || end != sample.data() + sample.size()) refuse_line(line);

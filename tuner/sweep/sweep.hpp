@@ -14,7 +14,7 @@
 namespace assur::sweep {
 
 // One sample.
-struct Row {
+struct DesignSample {
   std::int64_t sample = 0;
   std::vector<double> parameters;
   std::string status;           // name of a Code, or "not_assembled"
@@ -67,23 +67,23 @@ class Sweep {
 
   // The samples from b * kBlock on. Empty if settings.stop asked to stop. Throws as Ensemble, but not for samples that
   // cannot be prepared.
-  [[nodiscard]] std::vector<Row> block(std::int64_t b);
+  [[nodiscard]] std::vector<DesignSample> block(std::int64_t b);
 
-  // The names of Row::figures: "P.distance", "limits" (if the scene has limits: how often one was exceeded, or ended
-  // the motion), "handle1.max", ...
+  // The names of DesignSample::figures: "P.distance", "limits" (if the scene has limits: how often one was exceeded, or
+  // ended the motion), "handle1.max", ...
   [[nodiscard]] std::vector<std::string> figures() const;
 
   // The first line of a file of rows, and the line of a row; without line ends. Numbers are the shortest text that
   // reads back as the same double; NaN is empty.
   [[nodiscard]] std::string header() const;
-  [[nodiscard]] static std::string line_of(const Row& row);
+  [[nodiscard]] static std::string line_of(const DesignSample& row);
   // Reads a line back. Throws Error (input) if it is not the line of a row of this sweep.
-  [[nodiscard]] Row parse(const std::string& line) const;
+  [[nodiscard]] DesignSample parse(const std::string& line) const;
 
  private:
   [[nodiscard]] Ensemble make(std::vector<double> values) const;
   [[nodiscard]] std::vector<double> values_of(std::int64_t b) const;
-  void run(Ensemble& ensemble, std::vector<Row>& rows);
+  void run(Ensemble& ensemble, std::vector<DesignSample>& rows);
   [[nodiscard]] double distance(std::span<const PlanePoint> path) const;
 
   const DesignSpace& space_;

@@ -13,8 +13,8 @@
 namespace assur::tuning {
 namespace {
 
-constexpr std::int32_t kSmallest = 3;
-constexpr std::int32_t kOffTheGrid[] = {22, 78, 334};
+constexpr std::int32_t kSmallest = 3;                  // unknowns
+constexpr std::int32_t kOffTheGrid[] = {22, 78, 334};  // unknowns of cells that judge the model, between its sizes
 constexpr std::pair<std::int32_t, std::int32_t> kPacksOffTheGrid[] = {
     {2, 11}, {2, 23}, {22, 5}, {78, 11}, {334, 1}};  // n, groups
 constexpr double kJudges = 2;                        // weight of held-out cells: few cells judge all choices

@@ -174,7 +174,7 @@ class StepsGround final : public Ground {
     }
     for (Strategy& s : pack_strategies(field, cell.formulation, shape_, true)) {
       if (cell.kind == Cell::Kind::around) {
-        if (tells_around(s)) candidates_.push_back({Kernel::step, s});
+        if (measures_around(s)) candidates_.push_back({Kernel::step, s});
         continue;
       }
       candidates_.push_back({Kernel::step, s});
@@ -191,7 +191,7 @@ class StepsGround final : public Ground {
     options.strategy = to_string(c.strategy);
     options.budget = budget_;
     const Prepared prepared = prepare(scene_, options);
-    const auto step = std::make_shared<measure::WholeStep>(prepared);
+    const auto step = std::make_shared<measure::StepWorkload>(prepared);
     std::vector<Entrant> out = {
         {Kernel::step, shape_, c.strategy, step.get(), step, step->report().error.residual(), kNotMeasured}};
     if (!around_) return out;
@@ -208,7 +208,7 @@ class StepsGround final : public Ground {
  private:
   // The time of a step beyond its packs does not depend on the solver, but a little on the number of packs. It is
   // measured with the two widest strategies of the fastest backend, which plans mostly use.
-  [[nodiscard]] bool tells_around(const Strategy& s) const {
+  [[nodiscard]] bool measures_around(const Strategy& s) const {
     return s.solver.backend == "lanes" && !s.solver.once && !s.solver.separate &&
            4 * s.solver.lanes > std::min(shape_.groups, kMostLanes);
   }

@@ -20,10 +20,10 @@ double extended(double n, double n1, double t1, double n2, double t2) {
 
 }  // namespace
 
-void History::note(const std::string& family, const Candidate& candidate, const Entry& entry) {
+void History::note(const std::string& family, const Candidate& candidate, const CandidateTimes& entry) {
   auto& entries = entries_[key(family, candidate)];
-  const auto place =
-      std::lower_bound(entries.begin(), entries.end(), entry.n, [](const Entry& e, double n) { return e.n < n; });
+  const auto place = std::lower_bound(entries.begin(), entries.end(), entry.n,
+                                      [](const CandidateTimes& e, double n) { return e.n < n; });
   if (place != entries.end() && place->n == entry.n) {
     *place = entry;
   } else {
@@ -34,12 +34,12 @@ void History::note(const std::string& family, const Candidate& candidate, const 
 std::string History::hopeless(const std::string& family, const Candidate& candidate, double n, double seconds) const {
   const auto found = entries_.find(key(family, candidate));
   if (found == entries_.end()) return "";
-  std::vector<Entry> smaller;
-  for (const Entry& e : found->second) {
+  std::vector<CandidateTimes> smaller;
+  for (const CandidateTimes& e : found->second) {
     if (e.n < n) smaller.push_back(e);
   }
   if (smaller.size() < 2) return "";
-  const Entry &a = smaller[smaller.size() - 2], &b = smaller.back();
+  const CandidateTimes &a = smaller[smaller.size() - 2], &b = smaller.back();
   const double behind_a = a.seconds / a.leader, behind_b = b.seconds / b.leader;
   if (behind_a > kFarBehind && behind_b > kFarBehind && behind_b > behind_a) return "far behind at smaller sizes";
   if (extended(n, a.n, a.seconds, b.n, b.seconds) > seconds) return "one call takes too long";

@@ -18,9 +18,10 @@ namespace assur::tuning {
 namespace {
 
 constexpr auto kBetweenLooks = std::chrono::milliseconds(2);
-constexpr std::int32_t kUnknowns = 120;  // enough for the threads of every backend to be used
-constexpr int kEntries = 6, kMatrices = 2, kCalls = 20;
-constexpr int kCannotStart = 127;
+constexpr std::int32_t kUnknowns = 120;    // enough for the threads of every backend to be used
+constexpr int kEntries = 6;                // in a row, as in mechanisms
+constexpr int kMatrices = 2, kCalls = 20;  // a choice: a crash shows at once or in a few calls
+constexpr int kCannotStart = 127;          // the status that shells give to this
 
 // Replaces this process by the program, without output and core file.
 [[noreturn]] void become(std::vector<char*> words) {

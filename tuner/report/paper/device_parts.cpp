@@ -15,22 +15,24 @@
 namespace assur::report {
 namespace {
 
-constexpr int kEntriesInARow = 6, kCalls = 9;
-constexpr double kSeconds = 0.5;  // for the calls of the processor; at least three
+constexpr int kEntriesInARow = 6;  // as in mechanisms
+constexpr int kCalls = 9;          // a median and a spread
+constexpr double kSeconds = 0.5;   // for the calls of the processor; at least three
 
 using enum HtmlTable::Column;
 using Column = pictures::ColumnOf<DeviceParts>;
 using Call = cusolver::CallTimes;
 
-struct Part {
+struct CallPart {
   const char* name;
   double (*seconds)(const Call&);
 };
 constexpr std::array kParts = {
-    Part{"whole", [](const Call& t) { return t.whole; }}, Part{"upload", [](const Call& t) { return t.upload; }},
-    Part{"computation", [](const Call& t) { return t.compute; }},
-    Part{"download", [](const Call& t) { return t.download; }},
-    Part{"launches and rest", [](const Call& t) { return t.whole - t.upload - t.compute - t.download; }}};
+    CallPart{"whole", [](const Call& t) { return t.whole; }},
+    CallPart{"upload", [](const Call& t) { return t.upload; }},
+    CallPart{"computation", [](const Call& t) { return t.compute; }},
+    CallPart{"download", [](const Call& t) { return t.download; }},
+    CallPart{"launches and rest", [](const Call& t) { return t.whole - t.upload - t.compute - t.download; }}};
 
 struct NamedCall {
   const char* name;
@@ -90,7 +92,7 @@ void add_device_parts(Section& section, const std::vector<DeviceParts>& parts, c
   if (parts.empty()) return;
   std::vector<Column> columns = {{"n", number, [](const DeviceParts& p) { return std::to_string(p.n); }}};
   for (const NamedCall& call : kBoth) {
-    for (const Part& part : kParts) {
+    for (const CallPart& part : kParts) {
       columns.push_back({std::string(call.name) + ": " + part.name + ", ms", number, [&](const DeviceParts& p) {
                            return p.why_not.empty() ? ms(part.seconds(p.times.*call.times)) : "-";
                          }});

@@ -9,8 +9,8 @@
 namespace assur::report {
 namespace {
 
-constexpr int kQuickTotal = 1500, kQuickUnknowns = 144;
-constexpr int kLargeUnknowns = 400;  // large groups of table 5
+constexpr int kQuickTotal = 1500, kQuickUnknowns = 144;  // largest mechanism and group of `report --quick`
+constexpr int kLargeUnknowns = 400;                      // large groups of table 5
 
 constexpr std::string_view kMa27 = "ma27";    // the solver of the paper
 constexpr std::string_view kSixLanes = ":8";  // all six groups at once on a GPU

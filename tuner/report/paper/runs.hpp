@@ -27,7 +27,7 @@ struct PaperResults {
   std::vector<DeviceParts> device_parts = {};  // empty without cusolver
   int threads = 1;
   bool quick = true, interrupted = false;
-  measure::Judgement noise = {};
+  measure::NoiseAssessment noise = {};
 };
 
 // Runs everything that fits into the given time, short cells first. Entrants that cannot run here are listed with the

@@ -1,4 +1,4 @@
-#include "db/places.hpp"
+#include "db/database_files.hpp"
 
 #include <gtest/gtest.h>
 
@@ -36,7 +36,7 @@ class Variable {
 
 using Role = db::DatabaseFile::Role;
 
-TEST(Places, NamedDatabaseComesBeforeTheUsers) {
+TEST(DatabaseFiles, NamedDatabaseComesBeforeTheUsers) {
   const Variable named("ASSUR_DB", "some.db"), data("XDG_DATA_HOME", "/data"), home("HOME", "/home/me");
   const auto files = db::database_files();
   ASSERT_GE(files.size(), 2u);
@@ -47,7 +47,7 @@ TEST(Places, NamedDatabaseComesBeforeTheUsers) {
   EXPECT_EQ(db::own_database(), "some.db");
 }
 
-TEST(Places, UserDatabaseIsInTheDataFolder) {
+TEST(DatabaseFiles, UserDatabaseIsInTheDataFolder) {
   const Variable named("ASSUR_DB", nullptr), home("HOME", "/home/me");
   {
     const Variable data("XDG_DATA_HOME", nullptr);
@@ -59,13 +59,13 @@ TEST(Places, UserDatabaseIsInTheDataFolder) {
   EXPECT_EQ(db::own_database(), std::nullopt);
 }
 
-TEST(Places, AnEmptyVariableMeansNoDatabase) {
+TEST(DatabaseFiles, AnEmptyVariableMeansNoDatabase) {
   const Variable named("ASSUR_DB", "");
   EXPECT_TRUE(db::database_files().empty());
   EXPECT_EQ(db::own_database(), std::nullopt);
 }
 
-TEST(Places, RecognisesNetworkFileSystems) {
+TEST(DatabaseFiles, RecognisesNetworkFileSystems) {
   EXPECT_TRUE(db::is_network(0x6969));       // NFS
   EXPECT_TRUE(db::is_network(0xfe534d42));   // SMB 2
   EXPECT_FALSE(db::is_network(0xef53));      // ext4

@@ -1,10 +1,10 @@
-#include "motion/mechanism.hpp"
+#include "motion/motion_conditions.hpp"
 
 #include "index.hpp"
 
 namespace assur {
 
-void Mechanism::bind(const System& system, bool chooses) {
+void MotionConditions::bind(const System& system, bool chooses) {
   system_ = &system;
   watch_.reset();
   independence_.reset();
@@ -18,12 +18,12 @@ void Mechanism::bind(const System& system, bool chooses) {
   if (!system.bounds.empty()) limits_ = std::make_unique<LimitWatch>(system, layout_.address);
 }
 
-void Mechanism::mark(std::vector<std::uint8_t>& addresses) const {
+void MotionConditions::mark(std::vector<std::uint8_t>& addresses) const {
   if (limits_) limits_->mark(addresses);
   for (const std::int32_t c : structure_.watch.inputs) addresses[idx(layout_.address[idx(c)])] = 1;
 }
 
-void Mechanism::check_inputs(std::span<const Index> inputs) {
+void MotionConditions::check_inputs(std::span<const Index> inputs) {
   levers_.clear();
   for (const Index i : inputs) {
     const DriverInput& in = system_->inputs[idx(i)];
@@ -38,19 +38,19 @@ void Mechanism::check_inputs(std::span<const Index> inputs) {
   }
 }
 
-void Mechanism::clear() {
+void MotionConditions::clear() {
   for (Lever& l : levers_) l.bow = 0;
   level_ = 0;
   poor_ = kPoorSet;
   measured_at_ = -1;
 }
 
-void Mechanism::begin(Posture q) {
+void MotionConditions::begin(Posture q) {
   each_turns([&](AngleTurns& turns) { turns.start(q[0]); });
   for (Lever& l : levers_) l.start = q[0][l.address];
 }
 
-void Mechanism::measure(Posture q, const Bows& bows, std::span<double> scratch) {
+void MotionConditions::measure(Posture q, const Bows& bows, std::span<double> scratch) {
   each_turns([&](AngleTurns& turns) { turns.measure(q[0], bows.probes(), scratch, lane_); });
   for (Lever& l : levers_) l.bow = bows.sizes()[idx(l.address) + lane_];
   if (!limits_) return;
@@ -58,7 +58,7 @@ void Mechanism::measure(Posture q, const Bows& bows, std::span<double> scratch) 
   limits_->measure(q, bows.probes(), scratch.data(), lane_);
 }
 
-Status Mechanism::check_levers(Levers which, Posture from, Posture to, double seconds, double times) const {
+Status MotionConditions::check_levers(Levers which, Posture from, Posture to, double seconds, double times) const {
   const auto levers =
       which == Levers::known ? std::span(levers_).first(known_levers_) : std::span(levers_).subspan(known_levers_);
   const Lever* l = seconds == 0 ? nullptr : may_vanish(levers, from[0], to[0], times);
@@ -68,7 +68,7 @@ Status Mechanism::check_levers(Levers which, Posture from, Posture to, double se
   return {Code::actuator_zero, Place::driver(l->driver), std::min(to[0][l->address], 0.0)};
 }
 
-const Lever* Mechanism::little_lever(const double* q, double part) const {
+const Lever* MotionConditions::little_lever(const double* q, double part) const {
   const auto is_little = [&](const Lever& l) { return !(q[l.address] > part * l.start); };
   const auto found = std::find_if(levers_.begin(), levers_.end(), is_little);
   return found == levers_.end() ? nullptr : &*found;
@@ -76,7 +76,7 @@ const Lever* Mechanism::little_lever(const double* q, double part) const {
 
 // Within the ball of an anchor the inverse of the Jacobian grows at most by the factor 1 / (1 - kBall), and with it the
 // coefficients, unless a row vanishes. So each anchor is checked.
-double Mechanism::largest_coefficient(const double* q, std::int64_t branch_checks) {
+double MotionConditions::largest_coefficient(const double* q, std::int64_t branch_checks) {
   if (independence_ && measured_at_ != branch_checks) {
     measured_at_ = branch_checks;
     largest_coefficient_ = independence_->largest_coefficient(q);
@@ -84,7 +84,7 @@ double Mechanism::largest_coefficient(const double* q, std::int64_t branch_check
   return largest_coefficient_;
 }
 
-std::vector<std::int32_t> Mechanism::checks_chosen_anew(std::span<const double> coordinates) const {
+std::vector<std::int32_t> MotionConditions::checks_chosen_anew(std::span<const double> coordinates) const {
   if (!independence_) return {};
   std::vector<std::int32_t> checks = independence_->chosen_anew(coordinates);
   if (checks.empty()) return {};
@@ -96,21 +96,21 @@ std::vector<std::int32_t> Mechanism::checks_chosen_anew(std::span<const double> 
   return checks;
 }
 
-AngleTurns::Way Mechanism::follow_angles(const double* q, double seconds, double times) {
-  AngleTurns::Way way = AngleTurns::Way::known;
+AngleTurns::Turned MotionConditions::follow_angles(const double* q, double seconds, double times) {
+  AngleTurns::Turned turned = AngleTurns::Turned::known;
   each_turns([&](AngleTurns& turns) {
-    const AngleTurns::Way of_these = turns.follow(q, seconds, times);
-    if (way != AngleTurns::Way::unknown && of_these != AngleTurns::Way::known) way = of_these;
+    const AngleTurns::Turned of_these = turns.follow(q, seconds, times);
+    if (turned != AngleTurns::Turned::unknown && of_these != AngleTurns::Turned::known) turned = of_these;
   });
-  return way;
+  return turned;
 }
 
-void Mechanism::accept(double seconds, bool passes) {
+void MotionConditions::accept(double seconds, bool passes) {
   each_turns([&](AngleTurns& turns) { turns.accept(seconds); });
   if (limits_ && !passes) limits_->accept();
 }
 
-std::vector<LimitWatch::Change> Mechanism::begin_limits(Posture q, double time, std::span<const double> known) {
+std::vector<LimitWatch::Change> MotionConditions::begin_limits(Posture q, double time, std::span<const double> known) {
   std::vector<LimitWatch::Change> outside;
   if (!limits_) return outside;
   limits_->start(q, time, known);
@@ -119,7 +119,7 @@ std::vector<LimitWatch::Change> Mechanism::begin_limits(Posture q, double time, 
   return outside;
 }
 
-void Mechanism::save(Snapshot& into, bool in_step, std::int64_t branch_checks) const {
+void MotionConditions::save(Snapshot& into, bool in_step, std::int64_t branch_checks) const {
   into.levers = levers_;
   into.level = in_step ? level_at_begin_ : level_;
   into.poor = poor_;
@@ -133,7 +133,7 @@ void Mechanism::save(Snapshot& into, bool in_step, std::int64_t branch_checks) c
   if (limits_) limits_->save(into.limits);
 }
 
-void Mechanism::restore(const Snapshot& from, double time, std::int64_t branch_checks) {
+void MotionConditions::restore(const Snapshot& from, double time, std::int64_t branch_checks) {
   levers_ = from.levers;
   level_ = from.level;
   poor_ = from.poor;

@@ -1,4 +1,4 @@
-#include "db/places.hpp"
+#include "db/database_files.hpp"
 
 #include <dlfcn.h>
 #include <sys/vfs.h>

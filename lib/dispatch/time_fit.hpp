@@ -11,8 +11,8 @@
 
 namespace assur {
 
-inline constexpr std::size_t kTerms = 5;
-inline constexpr std::size_t kAxes = 4;
+inline constexpr std::size_t kTerms = 5;  // counts in the sum
+inline constexpr std::size_t kAxes = 4;   // on which shapes lie
 
 // A shape for the fit.
 struct FitPoint {
@@ -21,7 +21,7 @@ struct FitPoint {
 };
 
 // The fit for one kernel and solver.
-class Curve {
+class TimeFit {
  public:
   struct Measured {
     FitPoint at;
@@ -31,7 +31,7 @@ class Curve {
 
   // The fit is robust: coefficients >= 0 of the terms, least squares of relative deviations, outliers weigh less
   // (Huber 1964). At least one point; the order of the points does not matter beyond rounding.
-  explicit Curve(const std::vector<Measured>& points);
+  explicit TimeFit(const std::vector<Measured>& points);
 
   // otherwise: time that is expected without these points, s; its weight is larger if the point is far from all points,
   // or if they are few. 0: nothing is expected.

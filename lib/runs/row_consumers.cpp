@@ -1,4 +1,4 @@
-#include "runs/row_takers.hpp"
+#include "runs/row_consumers.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -23,16 +23,16 @@ std::vector<std::size_t> selected(const RowSelection& selection, const RowSink& 
   return indices_of(selection.columns.empty() ? all : selection.columns, all);
 }
 
-void RowStore::take(double /*time*/, const double* row) {
+void RowStore::add_row(double /*time*/, const double* row) {
   for (const std::size_t c : columns_) *to_++ = row[c];
 }
 
 RowSummary::RowSummary(std::span<const std::size_t> columns, std::span<ColumnSummary> out)
     : columns_(columns), out_(out) {
-  std::fill(out_.begin(), out_.end(), ColumnSummary{kNan, kNan, kNan, kNan, kNan, kNan});
+  std::fill(out_.begin(), out_.end(), ColumnSummary{});
 }
 
-void RowSummary::take(double time, const double* row) {
+void RowSummary::add_row(double time, const double* row) {
   for (std::size_t i = 0; i < columns_.size(); ++i) {
     const double value = row[columns_[i]];
     ColumnSummary& s = out_[i];
@@ -60,7 +60,7 @@ void RowSummary::finish() {
   for (ColumnSummary& s : out_) s.mean /= static_cast<double>(rows_);
 }
 
-void RowStream::take(double time, const double* row) {
+void RowStream::add_row(double time, const double* row) {
   if (seen_++ % selection_->every != 0) return;
   times_.push_back(time);
   for (const std::size_t c : columns_) values_.push_back(row[c]);

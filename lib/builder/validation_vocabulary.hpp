@@ -1,4 +1,4 @@
-// The checks that rows of kinds.hpp ask for.
+// The checks that rows of vocabulary.hpp ask for.
 #pragma once
 
 #include <string>
@@ -11,13 +11,14 @@ template <class Kind>
 bool Validation::check_row(const Kind& kind, const Where& where) {
   involved_.clear();
   bool differ = true;
-  rows::for_each_key(rows::row_of<Kind>(),
-                     [&](const auto& key) { differ = check_content(kind, key.content, where / key.name) && differ; });
+  vocabulary::for_each_key(vocabulary::row_of<Kind>(), [&](const auto& key) {
+    differ = check_content(kind, key.content, where / key.name) && differ;
+  });
   return differ;
 }
 
 template <class Kind, class... Entries>
-bool Validation::check_content(const Kind& kind, const rows::List<Entries...>& list, const Where& where) {
+bool Validation::check_content(const Kind& kind, const vocabulary::List<Entries...>& list, const Where& where) {
   bool differ = true;
   std::size_t i = 0;
   const auto next = [&](const auto& entry) {

@@ -1,4 +1,4 @@
-// Places of tuning databases.
+// The files of tuning databases.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-#include "equations/derivatives.hpp"
+#include "plan/function_check.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -21,8 +21,8 @@ constexpr double kLongest = 0x1p-8;       // relative to the unit of an argument
 constexpr double kLongestOfLaw = 0x1p-2;  // relative to a step: less than kBetween, so that it stays in the step
 // Every distance is at least this many roundings of the argument, so that they change slopes by 1e-3 at most.
 constexpr double kRoundingSteps = 1024;
-// A derivative is wrong if its error exceeds this many uncertainties. Of 10,000 right ones in derivatives_test.cpp, 1
-// would accuse five, and 4 accuses none.
+// A derivative is wrong if its error exceeds this many uncertainties. Of 10,000 right ones in function_check_test.cpp,
+// 1 would accuse five, and 4 accuses none.
 constexpr double kSure = 4;
 constexpr double kFloor = 0.1;             // see kDerivativeTolerance
 constexpr double kSpanOfSteps = 100;       // likewise: time steps
@@ -116,10 +116,11 @@ void call(const F& f, double* values, std::size_t count) {
 }
 
 // Checks one callback at a posture.
-class Check {
+class FunctionCheck {
  public:
   // moves: 0 for an argument that is constant, whose derivatives are not used
-  Check(const Callback& of, std::vector<double> at, std::vector<double> units, const std::vector<std::uint8_t>& moves)
+  FunctionCheck(const Callback& of, std::vector<double> at, std::vector<double> units,
+                const std::vector<std::uint8_t>& moves)
       : of_(of),
         m_(at.size()),
         r_(static_cast<std::size_t>(of.equations)),
@@ -276,7 +277,7 @@ std::string find_in_block(const System& s, const CallbackBlock& block, const std
       return c.role == Role::unknown || (c.role == Role::driven && c.moving);
     }));
   }
-  return Check(*block.callback, std::move(x), block.unit, moves).find(curvature);
+  return FunctionCheck(*block.callback, std::move(x), block.unit, moves).find(curvature);
 }
 
 void require_each(std::size_t entries, const std::string& name, std::size_t arguments) {
@@ -297,7 +298,7 @@ std::vector<Diagnostic> check_derivatives(const Callback& callback, std::span<co
   std::vector<double> unit(units.begin(), units.end());
   unit.resize(m, 1.0);
   const std::vector<std::uint8_t> moves(m, 1);
-  const std::string wrong = Check(callback, {at.begin(), at.end()}, std::move(unit), moves).find(true);
+  const std::string wrong = FunctionCheck(callback, {at.begin(), at.end()}, std::move(unit), moves).find(true);
   return wrong.empty() ? std::vector<Diagnostic>{} : std::vector<Diagnostic>{{"", wrong}};
 }
 
@@ -312,8 +313,8 @@ std::vector<Diagnostic> check_derivatives(const Law& law, double from, double to
   return out;
 }
 
-std::vector<Diagnostic> wrong_functions(const System& s, const std::vector<double>& q, const TimeGrid& time,
-                                        const std::vector<std::string>& controlled) {
+std::vector<Diagnostic> find_wrong_functions(const System& s, const std::vector<double>& q, const TimeGrid& time,
+                                             const std::vector<std::string>& controlled) {
   constexpr const char* kInstead = "; correct it, or state a larger `tolerance` if this is intended";
   const int derivatives = wanted_derivatives(s);
   std::vector<Diagnostic> out;

@@ -1,4 +1,4 @@
-// Random mechanisms around a start posture in which they can be assembled and can move.
+// Small random scenes: mechanisms around a start posture in which they can be assembled and can move.
 #pragma once
 
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "commands/options.hpp"
+#include "commands/command_line.hpp"
 
 #include <algorithm>
 #include <cmath>

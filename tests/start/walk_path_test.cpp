@@ -11,7 +11,7 @@
 #include "equations/lowering.hpp"
 #include "equations/system.hpp"
 #include "index.hpp"
-#include "start/way.hpp"
+#include "start/walk_path.hpp"
 #include "structure/look.hpp"
 
 namespace assur {
@@ -32,7 +32,7 @@ void expect_at(const GroupedSystem& s, const std::string& point, double x, doubl
 
 // The crank P of a slotted lever turns by more than a right angle before the lever does. The right values are the ends
 // of the same ways as motions.
-TEST(StartWay, EndsWhereTheSameMotionEnds) {
+TEST(WalkPath, EndsWhereTheSameMotionEnds) {
   const auto slotted_lever = [](const std::string& law) {
     return start_of(R"({"assur": 1, "dimension": 2, "bodies": {"lever": {}, "block": {}, "crank": {}},
       "joints": {"O": {"revolute": ["ground", "lever"], "at": [0, 0]},
@@ -58,7 +58,7 @@ TEST(StartWay, EndsWhereTheSameMotionEnds) {
 }
 
 // Q of a rod about P would fall onto the pivot O if the rod were assembled directly.
-TEST(StartWay, DirectionsDoNotVanish) {
+TEST(WalkPath, DirectionsDoNotVanish) {
   const GroupedSystem s = start_of(R"({"assur": 1, "dimension": 2,
     "points": {"O": {"at": [0, 0], "fixed": true}, "P": {"at": [1, 0], "fixed": true},
                "Q": {"at": [0.5, 0.8660254037844386]}},
@@ -79,7 +79,7 @@ std::string four_bar(const std::string& law, const std::string& more = "") {
          law + "}}, \"outputs\": [\"C\"]" + more + "}";
 }
 
-TEST(StartWay, LaterGroupsFollowTheirInputs) {
+TEST(WalkPath, LaterGroupsFollowTheirInputs) {
   const GroupedSystem s = start_of(four_bar(R"({"polynomial": [0.4, 1]})"));
   expect_at(s, "B", 1.8 * std::cos(0.4), 1.8 * std::sin(0.4), 1e-14);
   expect_at(s, "C", 2.488, 1.258, 1e-3);
@@ -89,7 +89,7 @@ TEST(StartWay, LaterGroupsFollowTheirInputs) {
 }
 
 // A rocker swings over half a turn, but not over the direction of its ground.
-TEST(StartWay, AFoldIsRefusedWithItsPlaceAndAnotherPosture) {
+TEST(WalkPath, AFoldIsRefusedWithItsPlaceAndAnotherPosture) {
   const auto rocker = [](double angle) {
     return start_of(R"({"assur": 1, "dimension": 2,
       "points": {"A": {"at": [0, 0], "fixed": true}, "D": {"at": [2, 0], "fixed": true},
@@ -111,7 +111,7 @@ TEST(StartWay, AFoldIsRefusedWithItsPlaceAndAnotherPosture) {
 }
 
 // The way passes the flat posture, where the rods could also cross.
-TEST(StartWay, AChangePointIsPassedByTheSmoothContinuation) {
+TEST(WalkPath, AChangePointIsPassedByTheSmoothContinuation) {
   const GroupedSystem s = start_of(R"({"assur": 1, "dimension": 2,
     "points": {"A": {"at": [0, 0], "fixed": true}, "D": {"at": [2, 0], "fixed": true},
                "B": {"at": [0.8775825618903728, 0.479425538604203]}, "C": {"at": [2.8775825618903728, 0.479425538604203]}},
@@ -122,7 +122,7 @@ TEST(StartWay, AChangePointIsPassedByTheSmoothContinuation) {
 }
 
 // A crank without a length has no angle as written.
-TEST(StartWay, ADriverWithoutAValueTakesThatOfItsLaw) {
+TEST(WalkPath, ADriverWithoutAValueTakesThatOfItsLaw) {
   const GroupedSystem s = start_of(R"({"assur": 1, "dimension": 2,
     "points": {"A": {"at": [0, 0], "fixed": true}, "B": {"at": [0, 0]}},
     "constraints": {"k": {"distance": ["A", "B"], "value": 1.5}},
@@ -132,7 +132,7 @@ TEST(StartWay, ADriverWithoutAValueTakesThatOfItsLaw) {
 }
 
 // A planar loop of hinges in space has three equations too many. It is drawn closed and starts elsewhere.
-TEST(StartWay, RedundantLoopsFollowAsInThePlane) {
+TEST(WalkPath, RedundantLoopsFollowAsInThePlane) {
   const Triple a = {0, 0, 0}, b = {0.3, 0.4, 0}, c = {1.4, 1.1, 0}, d = {1.6, 0, 0};
   const auto loop = [&](int dimension) {
     SceneBuilder s("loop", dimension);
@@ -155,7 +155,7 @@ TEST(StartWay, RedundantLoopsFollowAsInThePlane) {
 
 // Bennett's linkage, drawn far off: on the way its redundant equations contradict each other, and hold as well as they
 // can. Newton's method needs the curvature of what they leave, else it takes steps of 1e-6 of the way.
-TEST(StartWay, RedundantEquationsThatContradictEachOtherCloseInFewSteps) {
+TEST(WalkPath, RedundantEquationsThatContradictEachOtherCloseInFewSteps) {
   const System s = lower(std::make_shared<const Scene>(parse_scene(R"({"assur": 1, "dimension": 3,
     "points": {"A": {"at": [0, 0, 0], "fixed": true}, "B": {"at": [1, 0, 0], "fixed": true},
                "C": {"at": [0.502, -0.179, -0.425]}, "D": {"at": [0.164, 0.718, -0.005]}},
@@ -173,7 +173,7 @@ TEST(StartWay, RedundantEquationsThatContradictEachOtherCloseInFewSteps) {
     "time": {"start": 0, "end": 1, "step": 0.1}})")));
   std::vector<double> q = s.guess;
   WalkedPart all;
-  Way way;  // the driver is held at its law
+  WalkPath way;  // the driver is held at its law
   way.from = {{1.339}};
   way.change = {{0}};
   for (std::size_t e = 0; e < s.equations.size(); ++e) {
@@ -190,7 +190,7 @@ TEST(StartWay, RedundantEquationsThatContradictEachOtherCloseInFewSteps) {
 }
 
 // Parts that no output needs do not hold the others back.
-TEST(StartWay, PartsWithoutOutputsAreLeftBehind) {
+TEST(WalkPath, PartsWithoutOutputsAreLeftBehind) {
   const auto guided = [](const std::string& outputs) {
     return start_of(R"({"assur": 1, "dimension": 2,
       "points": {"A": {"at": [0, 0], "fixed": true}, "E": {"at": [1.5, 0], "fixed": true}, "B": {"at": [1, 0]},

@@ -1,4 +1,4 @@
-#include "start/way.hpp"
+#include "start/walk_path.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -38,8 +38,8 @@ bool close_nearby(const System& s, const std::vector<WalkedPart>& parts, std::ve
 
 }  // namespace
 
-Way way_to_laws(const System& s, std::span<const double> q, double time) {
-  Way way;
+WalkPath way_to_laws(const System& s, std::span<const double> q, double time) {
+  WalkPath way;
   for (const DriverInput& in : s.inputs) {
     const std::vector<double> wanted = wanted_values(s, in, q);
     std::vector<double> from(in.written.begin(), in.written.end());
@@ -58,7 +58,7 @@ Way way_to_laws(const System& s, std::span<const double> q, double time) {
   return way;
 }
 
-bool is_moving(const System& s, const Way& way) {
+bool is_moving(const System& s, const WalkPath& way) {
   bool moves = false;
   for (std::size_t i = 0; i < way.change.size(); ++i) {
     const DriverInput& in = s.inputs[i];
@@ -71,8 +71,8 @@ bool is_moving(const System& s, const Way& way) {
   return moves;
 }
 
-Way closing_way(const System& s, const std::vector<WalkedPart>& parts, const std::vector<double>& q) {
-  Way way;
+WalkPath closing_way(const System& s, const std::vector<WalkedPart>& parts, const std::vector<double>& q) {
+  WalkPath way;
   std::vector<Index> column(s.coordinates.size(), -1);
   for (const WalkedPart& p : parts) {
     const DenseBlock block(s, p.equations, p.unknowns, column);
@@ -89,7 +89,7 @@ Way closing_way(const System& s, const std::vector<WalkedPart>& parts, const std
 }
 
 bool close(const System& s, const std::vector<WalkedPart>& parts, std::vector<double>& q) {
-  const Way way = closing_way(s, parts, q);
+  const WalkPath way = closing_way(s, parts, q);
   if (way.open.empty() || close_nearby(s, parts, q)) return true;
   std::vector<double> closed = q;
   if (walk(s, parts, way, closed).end != Walked::End::arrived) return false;

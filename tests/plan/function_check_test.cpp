@@ -105,7 +105,7 @@ std::string found(const Case& c, const Callback& callback, const std::vector<dou
   return all.empty() ? "" : all[0].what;
 }
 
-TEST(Derivatives, AcceptRightGradientsAndFindAWrongEntry) {
+TEST(FunctionCheck, AcceptRightGradientsAndFindAWrongEntry) {
   constexpr int kTries = 500;
   std::mt19937_64 random(7);
   for (const Case& c : cases()) {
@@ -127,7 +127,7 @@ TEST(Derivatives, AcceptRightGradientsAndFindAWrongEntry) {
 }
 
 // The curvature of x0 x1 x2 + x0^2, exact and with a relative error of 1e-4.
-TEST(Derivatives, CheckTheCurvature) {
+TEST(FunctionCheck, CheckTheCurvature) {
   Callback c;
   c.coordinates = {"P.x", "P.y", "P.z"};
   c.equations = 1;
@@ -217,7 +217,7 @@ std::vector<TimedLaw> laws() {
   return all;
 }
 
-TEST(Derivatives, CheckRateAndAccelerationOfALaw) {
+TEST(FunctionCheck, CheckRateAndAccelerationOfALaw) {
   for (const TimedLaw& l : laws()) {
     int missed = 0, steps = 0;
     for (const double step : {1e-3, 0.01, 0.1}) {
@@ -246,7 +246,7 @@ TEST(Derivatives, CheckRateAndAccelerationOfALaw) {
   }
 }
 
-TEST(Derivatives, FindAFunctionThatIsNotRepeatable) {
+TEST(FunctionCheck, FindAFunctionThatIsNotRepeatable) {
   int calls = 0;
   const Law law = Law::function([&](double t) { return Motion{t + 1e-4 * (++calls % 7), 1, 0}; });
   const std::vector<Diagnostic> wrong = check_derivatives(Law::constant(3) + law, 0, 0.01);
@@ -259,7 +259,7 @@ TEST(Derivatives, FindAFunctionThatIsNotRepeatable) {
   EXPECT_EQ(found(line, c, {0.3}).rfind("residual[row 0] is ", 0), 0u);
 }
 
-TEST(Derivatives, ToleranceDecides) {
+TEST(FunctionCheck, ToleranceDecides) {
   const Case wrong{"", 1, 0, 1, 1, [](Arguments x) { return x[0]; }, [](Arguments, Results g) { g[0] = 2; }};
   Callback c = callback(wrong, -1);
   EXPECT_EQ(found(wrong, c, {0.3}).rfind("jacobian[row 0, P0.x] is 2, but differences of the residual give 1 ", 0), 0u);
@@ -269,7 +269,7 @@ TEST(Derivatives, ToleranceDecides) {
   EXPECT_EQ(found(wrong, c, {0.3}), "");
 }
 
-TEST(Derivatives, NeedOneEntryForEachArgument) {
+TEST(FunctionCheck, NeedOneEntryForEachArgument) {
   const std::vector<Case> all = cases();
   Callback c = callback(all[0], -1);
   EXPECT_THROW((void)check_derivatives(c, std::vector<double>{1, 2}), Error);

@@ -1,7 +1,7 @@
 // The vocabulary of a scene file: a row for each kind of constraint, driver and measure, and for the other objects. A
 // row has the keys of an object, the meaning of their values, and the members that they set. Reading (json_*.cpp),
-// writing (json_writer.cpp) and the common checks (validation_rows.hpp) follow the rows. A new kind needs a struct in
-// assur/scene.hpp, a row here, its lowering, and a rule() of Validation for conditions beyond the row.
+// writing (json_writer.cpp) and the common checks (validation_vocabulary.hpp) follow the rows. A new kind needs a
+// struct in assur/scene.hpp, a row here, its lowering, and a rule() of Validation for conditions beyond the row.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +17,7 @@
 
 #include "assur/scene.hpp"
 
-namespace assur::rows {
+namespace assur::vocabulary {
 
 // Meaning of a value beyond its type.
 enum class Means : std::uint8_t {
@@ -223,6 +223,8 @@ inline constexpr Refused kJointElsewhere{"this is a joint; joints have a section
 inline constexpr std::pair<std::string_view, Refused> kNoConstraints[] = {
     {"revolute", kJointElsewhere},  {"prismatic", kJointElsewhere}, {"cylindrical", kJointElsewhere},
     {"spherical", kJointElsewhere}, {"universal", kJointElsewhere}, {"planar", kJointElsewhere}};
+static_assert(std::size(kNoConstraints) + 1 ==
+              std::tuple_size_v<decltype(kJoints)>);  // "fixed" fixes a coordinate, too
 
 // ---- other objects
 
@@ -305,4 +307,4 @@ Keys keys_of(const Rows&... rows) {
   return keys;
 }
 
-}  // namespace assur::rows
+}  // namespace assur::vocabulary

@@ -1,4 +1,4 @@
-#include "db/contents.hpp"
+#include "db/reader.hpp"
 
 #include <sqlite3.h>
 
@@ -23,9 +23,9 @@ namespace {
 
 // The rows of a query, one after the other. SQLite::Statement makes an object for each column of each row, which takes
 // as long as SQLite takes to read the row.
-class Row {
+class QueryRows {
  public:
-  Row(SQLite::Database& database, const std::string& select) : database_(database.getHandle()) {
+  QueryRows(SQLite::Database& database, const std::string& select) : database_(database.getHandle()) {
     sqlite3_stmt* statement = nullptr;
     check(sqlite3_prepare_v2(database_, select.c_str(), static_cast<int>(select.size()), &statement, nullptr));
     statement_.reset(statement);
@@ -61,13 +61,13 @@ class Row {
   sqlite3* database_;
   std::unique_ptr<sqlite3_stmt, Finalize> statement_;
 };
-using TakeRow = std::function<void(const Row&)>;
+using TakeRow = std::function<void(const QueryRows&)>;
 
 [[noreturn]] void throw_damaged(const std::string& what) { throw SQLite::Exception(what, SQLITE_CORRUPT); }
 
 // Reads rows in the order of their ids. If they are out of order, the tree of the table is damaged.
 void each(SQLite::Database& database, const std::string& select, const TakeRow& take) {
-  Row row(database, select + " ORDER BY id");
+  QueryRows row(database, select + " ORDER BY id");
   for (std::int64_t last = 0; row.next();) {
     const std::int64_t id = row.int64(0);
     if (id <= last) throw_damaged("rows are out of order");
@@ -92,7 +92,7 @@ std::vector<std::int32_t> numbered(std::int64_t cores) {
   return numbers;
 }
 
-Host host_of(const Row& row) {
+Host host_of(const QueryRows& row) {
   Host host;
   host.vendor = row.string(1);
   host.family = row.int32(2);
@@ -109,7 +109,7 @@ Host host_of(const Row& row) {
   return host;
 }
 
-RunRow run_of(const Row& row) {
+RunRow run_of(const QueryRows& row) {
   RunRow r;
   r.run.id = row.int64(0);
   r.run.uid = row.string(1);
@@ -132,7 +132,7 @@ RunRow run_of(const Row& row) {
   return r;
 }
 
-Shape shape_of(const Row& row) {
+Shape shape_of(const QueryRows& row) {
   Shape s;
   s.n = row.int32(1);
   s.nnz = row.int32(2);
@@ -170,7 +170,7 @@ std::optional<Kernel> kernel_of(std::string_view text) {
 }
 
 // NaN if the column is NULL, for which SQLite returns 0.
-double or_nan(const Row& row, int column) {
+double or_nan(const QueryRows& row, int column) {
   const double value = row.real(column);
   return value == 0 && row.is_null(column) ? kNan : value;
 }
@@ -195,7 +195,7 @@ const Checked<Value>* find(const std::unordered_map<std::int64_t, Checked<Value>
   throw_damaged("sample " + std::to_string(row.id) + ": " + std::string(what));
 }
 
-void take_sample(const Row& row, const Tables& tables, Samples& samples) {
+void take_sample(const QueryRows& row, const Tables& tables, Samples& samples) {
   SampleRow r;
   Sample& s = r.sample;
   r.id = row.int64(0);
@@ -273,11 +273,11 @@ Tables read_tables(SQLite::Database& database) {
   each(database,
        "SELECT id, vendor, family, model, stepping, name, instructions, cores, processors, quota, caches, numa_nodes, "
        "memory FROM machine",
-       [&](const Row& row) { tables.machines[row.int64(0)] = host_of(row); });
+       [&](const QueryRows& row) { tables.machines[row.int64(0)] = host_of(row); });
   each(database,
        "SELECT id, uid, machine, profile, assur, started, threads, load, microcode, process, finished, grade, seconds, "
        "coverage, note, samples FROM tuning_run",
-       [&](const Row& row) {
+       [&](const QueryRows& row) {
          RunRow r = run_of(row);
          const auto machine = tables.machines.find(r.machine);
          if (machine == tables.machines.end()) throw_damaged("the machine of a tuning run is missing");
@@ -285,17 +285,17 @@ Tables read_tables(SQLite::Database& database) {
          const std::uint64_t sum = sum_of(r.run.uid, r.run.machine);
          tables.runs.emplace(r.run.id, Checked<RunRow>{std::move(r), sum});
        });
-  each(database, "SELECT id, name, version, build FROM library", [&](const Row& row) {
+  each(database, "SELECT id, name, version, build FROM library", [&](const QueryRows& row) {
     Library library{row.string(1), row.string(2), row.string(3)};
     const std::uint64_t sum = sum_of(library);
     tables.libraries.emplace(row.int64(0), Checked<Library>{std::move(library), sum});
   });
   each(database, "SELECT id, n, nnz, groups, rhs, fill, operations, depth, terms, pattern FROM shape",
-       [&](const Row& row) {
+       [&](const QueryRows& row) {
          const Shape shape = shape_of(row);
          tables.shapes.emplace(row.int64(0), Checked<Shape>{shape, checksum(shape)});
        });
-  each(database, "SELECT id, text FROM strategy", [&](const Row& row) {
+  each(database, "SELECT id, text FROM strategy", [&](const QueryRows& row) {
     const std::string text = row.string(1);
     tables.strategies.emplace(row.int64(0), Checked<std::optional<Strategy>>{strategy_of(text), sum_of(text)});
   });
@@ -304,7 +304,7 @@ Tables read_tables(SQLite::Database& database) {
 
 Samples read_samples(SQLite::Database& database, const Tables& tables, std::span<const std::int64_t> runs) {
   Samples samples;
-  const TakeRow take = [&](const Row& row) { take_sample(row, tables, samples); };
+  const TakeRow take = [&](const QueryRows& row) { take_sample(row, tables, samples); };
   const std::string select =
       "SELECT id, uid, run, library, kernel, shape, strategy, seconds, spread, repetitions, backward_error, "
       "forward_error, checksum, slowness FROM sample";

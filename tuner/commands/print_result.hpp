@@ -11,7 +11,7 @@ namespace assur::command {
 
 // Prints the JSON object of a report, or its page.
 template <class Report>
-void tell(const Common& common, const Report& report) {
+void print_result(const Common& common, const Report& report) {
   if (common.json) return output::print(std::cout, to_json(report));
   output::Page page(std::cout);
   print(page, report);

@@ -60,15 +60,15 @@ bool falls_to_zero(const Approach& approach, const Singularity& of) {
 
 // Decides why the shortest step fails: at a limit, at a change point that can be passed, or because shorter steps are
 // needed. ok: continue. The decision does not depend on the time grid: if rounding ends the search, it is left open.
-Status Continuation::at_the_limit(const Status& failed, double target, double t, double first) {
+Status Continuation::examine_failed_step(const Status& failed, double target, double t, double first) {
   const std::size_t at_fault = failed_pack_;
   expand();
   failed_pack_ = at_fault;
   state_.restore();
   if (deadline_passed()) return late();
-  if (const Lever* const l = mechanism_.little_lever(state_.at(0), kLittleLever); l != nullptr) {
+  if (const Lever* const l = conditions_.little_lever(state_.at(0), kLittleLever); l != nullptr) {
     const Status gone{Code::actuator_zero, Place::driver(l->driver), state_.at(0)[l->address]};
-    tell(gone, target);
+    record_stop(gone, target);
     return gone;
   }
   any_turn_ = true;
@@ -239,13 +239,13 @@ bool Continuation::pass_by(double reach, double smallest, double to) {
   const std::size_t at_its_change_point = failed_pack_;
   const double change = now_;
   bool passed = false, walked = std::abs(to - change) >= kApart * std::abs(reach);
-  way_over_.count = 0;
+  history_.count = 0;
   for (const double part : {1.0 / 4, 2.0 / 4, 3.0 / 4, 1.0}) {
     walked = walked && walk(change - part * reach, smallest, change);
-    if (walked) state_.keep(way_over_);
+    if (walked) state_.save_history(history_);
   }
   if (walked) {
-    over_ = &way_over_;
+    over_ = &history_;
     passing_[at_its_change_point] = 1;
     largest_correction_ = WalkRules::kSureOfBranch * (to - change) / (to - now_);
     for (std::size_t more = 0; more < packs_.size() && !passed; ++more) {

@@ -1,4 +1,4 @@
-#include "dispatch/curve.hpp"
+#include "dispatch/time_fit.hpp"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -58,11 +58,11 @@ Moments non_negative(const Gram& gram, const Moments& moments) {
 }
 
 // Cost of a unit of each term if it were the only term: median over the points.
-Terms medians_of_ratios(const std::vector<Curve::Measured>& points) {
+Terms medians_of_ratios(const std::vector<TimeFit::Measured>& points) {
   Terms scale{};
   for (std::size_t j = 0; j < kTerms; ++j) {
     std::vector<double> ratios;
-    for (const Curve::Measured& p : points) {
+    for (const TimeFit::Measured& p : points) {
       if (p.at.terms[j] > 0) ratios.push_back(p.seconds / p.at.terms[j]);
     }
     if (!ratios.empty()) scale[j] = median(std::move(ratios));
@@ -72,7 +72,7 @@ Terms medians_of_ratios(const std::vector<Curve::Measured>& points) {
 
 }  // namespace
 
-Curve::Curve(const std::vector<Measured>& points) : points_(points.size()) {
+TimeFit::TimeFit(const std::vector<Measured>& points) : points_(points.size()) {
   fit(points);
   Deviations none{};
   for (auto& axis : none.place) axis.fill(kNowhere);
@@ -89,7 +89,7 @@ Curve::Curve(const std::vector<Measured>& points) : points_(points.size()) {
 }
 
 // Deviations are relative to the larger of measured and fitted time, so that none exceeds 1 in either direction.
-void Curve::fit(const std::vector<Measured>& points) {
+void TimeFit::fit(const std::vector<Measured>& points) {
   // At first all terms have equal shares of the median point.
   const Terms scale = medians_of_ratios(points);
   const auto used = std::count_if(scale.begin(), scale.end(), [](double x) { return x > 0; });
@@ -143,13 +143,13 @@ void Curve::fit(const std::vector<Measured>& points) {
   }
 }
 
-double Curve::fitted(const FitPoint& point) const {
+double TimeFit::fitted(const FitPoint& point) const {
   double sum = 0;
   for (std::size_t j = 0; j < kTerms; ++j) sum += coefficients_[j] * point.terms[j];
   return std::max(sum, kLeastSeconds);
 }
 
-Prediction Curve::at(const FitPoint& point, double otherwise) const {
+Prediction TimeFit::at(const FitPoint& point, double otherwise) const {
   using Block = Eigen::Array<float, kBlock, 1>;
   using Blocks = Eigen::Map<const Block>;
   constexpr auto kNear = static_cast<float>(2 * kBandwidth * kBandwidth);

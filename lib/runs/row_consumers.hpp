@@ -1,4 +1,4 @@
-// Take the rows of a member one after the other, so that a run stores no row.
+// Consume the rows of a member one after the other, so that a run stores no row.
 #pragma once
 
 #include <cstddef>
@@ -18,22 +18,22 @@ namespace assur {
 [[nodiscard]] std::vector<std::size_t> selected(const RowSelection& selection, const RowSink& sink,
                                                 const std::vector<std::string>& all);
 
-class RowTaker {
+class RowConsumer {
  public:
-  virtual ~RowTaker() = default;
-  // Takes the next row: all columns.
-  virtual void take(double time, const double* row) = 0;
+  virtual ~RowConsumer() = default;
+  // The next row: all columns.
+  virtual void add_row(double time, const double* row) = 0;
   // After the last row, if there was one.
   virtual void finish() = 0;
 };
 
 // Stores some columns.
-class RowStore : public RowTaker {
+class RowStore : public RowConsumer {
  public:
   // columns: indices, which must outlive this object. to: rows x columns.
   RowStore(std::span<const std::size_t> columns, double* to) : columns_(columns), to_(to) {}
 
-  void take(double time, const double* row) override;
+  void add_row(double time, const double* row) override;
   void finish() override {}
 
  private:
@@ -42,12 +42,12 @@ class RowStore : public RowTaker {
 };
 
 // Summarises some columns.
-class RowSummary : public RowTaker {
+class RowSummary : public RowConsumer {
  public:
   // columns: indices; `out` has one summary for each, NaN until there is a row. Both must outlive this object.
   RowSummary(std::span<const std::size_t> columns, std::span<ColumnSummary> out);
 
-  void take(double time, const double* row) override;
+  void add_row(double time, const double* row) override;
   void finish() override;
 
  private:
@@ -57,14 +57,14 @@ class RowSummary : public RowTaker {
 };
 
 // Gives rows to a sink, block by block.
-class RowStream : public RowTaker {
+class RowStream : public RowConsumer {
  public:
   // columns: indices. All arguments must outlive this object.
   RowStream(std::size_t member, std::span<const std::size_t> columns, const RowSelection& selection,
             const RowSink& sink)
       : member_(member), columns_(columns), selection_(&selection), sink_(&sink) {}
 
-  void take(double time, const double* row) override;
+  void add_row(double time, const double* row) override;
   void finish() override;
 
  private:

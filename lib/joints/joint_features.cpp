@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "decimal.hpp"
+#include "joints/joint_kinds.hpp"
 
 namespace assur::joints {
 
@@ -67,14 +68,12 @@ void Expansion::share_features() {
     const int sa = solid(a), sb = solid(b);
     if (std::holds_alternative<Fixed>(j.kind) || a == b) continue;
     if (sa == sb) {
-      static constexpr int kRows[] = {5, 5, 4, 3, 4, 3};  // equations of each kind of joint in space
-      implied_.emplace_back(&j, in_space() ? kRows[j.kind.index()] : 2);
+      implied_.emplace_back(&j, in_space() ? kind_of(j).translations + kind_of(j).turns : 2);
       p_.warnings.push_back({where(j).text(), "the joint cannot move, because fixed joints connect its bodies"});
     }
-    const bool for_space = j.kind.index() != 0 && j.kind.index() != 1;
-    if (!in_space() && for_space) {
-      report(where(j) / kind_of(j),
-             std::string(kind_of(j)) + " joints are for 3D; in the plane there are revolute, prismatic and fixed");
+    if (!in_space() && !kind_of(j).in_the_plane) {
+      report(where(j) / kind_of(j).name,
+             std::string(kind_of(j).name) + " joints are for 3D; in the plane there are revolute, prismatic and fixed");
       continue;
     }
     std::visit([&](const auto& kind) { share(j, kind, sa, sb); }, j.kind);

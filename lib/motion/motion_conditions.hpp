@@ -23,12 +23,12 @@
 
 namespace assur {
 
-class Mechanism {
+class MotionConditions {
  public:
   using Posture = LimitWatch::Posture;  // [d]: d-th derivatives of the coordinates, by address
 
   // lane: postures begin at this lane. All arguments must outlive it.
-  Mechanism(const GroupedSystem& structure, const Layout& layout, std::size_t lane = 0)
+  MotionConditions(const GroupedSystem& structure, const Layout& layout, std::size_t lane = 0)
       : structure_(structure), layout_(layout), lane_(lane) {}
 
   // The mechanism has the numbers of this system from now on, which must outlive it. chooses: another set of its
@@ -88,7 +88,7 @@ class Mechanism {
   // False if accept() and follow_angles() do nothing.
   [[nodiscard]] bool is_followed() const { return limits_ != nullptr || !turns_.empty(); }
   // Examines the turns to another posture, see AngleTurns::follow().
-  [[nodiscard]] AngleTurns::Way follow_angles(const double* q, double seconds, double times);
+  [[nodiscard]] AngleTurns::Turned follow_angles(const double* q, double seconds, double times);
   // Accepts the posture that was examined last. passes: limits are checked later.
   void accept(double seconds, bool passes = false);
   [[nodiscard]] LimitWatch* limits() { return limits_.get(); }  // null: there are none
@@ -115,7 +115,7 @@ class Mechanism {
 
  private:
   template <class Correct>
-  friend Status check_watched(std::span<Mechanism> mechanisms, const double* q, double left, bool may_correct,
+  friend Status check_watched(std::span<MotionConditions> all, const double* q, double left, bool may_correct,
                               const Correct& correct, Counters& counters, StepErrors& errors, std::size_t& worst);
   void evaluate_watched(const double* q, Counters& counters) {
     counters.evaluated_equations += static_cast<std::int64_t>(watch_->equations());
@@ -148,23 +148,23 @@ class Mechanism {
 // correct() may bring all equations to the rounding level by one more correction. worst: receives the mechanism with
 // the largest residual.
 template <class Correct>
-[[nodiscard]] Status check_watched(std::span<Mechanism> mechanisms, const double* q, double left, bool may_correct,
+[[nodiscard]] Status check_watched(std::span<MotionConditions> all, const double* q, double left, bool may_correct,
                                    const Correct& correct, Counters& counters, StepErrors& errors, std::size_t& worst) {
   const auto evaluate = [&] {
-    for (std::size_t i = 0; i < mechanisms.size(); ++i) mechanisms[i].evaluate_watched(q + i, counters);
+    for (std::size_t i = 0; i < all.size(); ++i) all[i].evaluate_watched(q + i, counters);
   };
   evaluate();
-  const auto is_left = [&](const Mechanism& m) { return m.residual_ > std::max(left, 2 * m.level_); };
-  if (may_correct && std::any_of(mechanisms.begin(), mechanisms.end(), is_left)) {
+  const auto is_left = [&](const MotionConditions& m) { return m.residual_ > std::max(left, 2 * m.level_); };
+  if (may_correct && std::any_of(all.begin(), all.end(), is_left)) {
     if (const Status s = correct(); !s.ok()) return s;
     evaluate();
-    for (Mechanism& m : mechanisms) m.level_ = m.residual_ > left ? m.residual_ : 0;
+    for (MotionConditions& m : all) m.level_ = m.residual_ > left ? m.residual_ : 0;
   }
   worst = 0;
-  for (std::size_t i = 1; i < mechanisms.size(); ++i) {
-    if (!(mechanisms[i].residual_ <= mechanisms[worst].residual_)) worst = i;
+  for (std::size_t i = 1; i < all.size(); ++i) {
+    if (!(all[i].residual_ <= all[worst].residual_)) worst = i;
   }
-  const double largest = mechanisms[worst].residual_;
+  const double largest = all[worst].residual_;
   if (!(largest <= std::max(kConsistent, left))) return {Code::inconsistent, {}, largest};
   errors.position = std::max(errors.position, largest);
   return {};

@@ -1,4 +1,4 @@
-#include "program/graph.hpp"
+#include "program/step_graph.hpp"
 
 #include <algorithm>
 #include <bit>

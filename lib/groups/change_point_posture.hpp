@@ -8,7 +8,7 @@
 namespace assur {
 
 // The limits of a motion on both sides of the change point.
-struct PackLimit {
+struct ChangePointPosture {
   LaneArray values;                // derivatives 0 to 3 x unknowns x W; empty: the pack is not at a change point
   std::array<double, 3> errors{};  // of posture, rates and accelerations, estimated
 

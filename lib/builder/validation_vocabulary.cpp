@@ -1,4 +1,4 @@
-#include "builder/validation_rows.hpp"
+#include "builder/validation_vocabulary.hpp"
 
 #include <algorithm>
 
@@ -14,8 +14,8 @@ std::string Validation::Involved::text() const {
   return to == nullptr ? in_quotes(*name) : "[" + *name + ", " + *to + "]";
 }
 
-void Validation::check_value(const std::string& name, const rows::About& about, const Where& where) {
-  using rows::Means;
+void Validation::check_value(const std::string& name, const vocabulary::About& about, const Where& where) {
+  using vocabulary::Means;
   Involved found;
   switch (about.means) {
     case Means::point:
@@ -43,26 +43,26 @@ void Validation::check_value(const std::string& name, const rows::About& about, 
   involved_.push_back(found);
 }
 
-void Validation::check_value(const Direction& way, const rows::About&, const Where& where) {
+void Validation::check_value(const Direction& way, const vocabulary::About&, const Where& where) {
   Involved found = direction(way, where);
   found.name = &way.first;
   if (way.is_pair()) found.to = &way.second;
   involved_.push_back(found);
 }
 
-void Validation::check_value(const Number& number, const rows::About&, const Where& where) {
+void Validation::check_value(const Number& number, const vocabulary::About&, const Where& where) {
   (void)finite(number, where);
 }
 
-void Validation::check_value(const std::optional<Number>& number, const rows::About&, const Where& where) {
+void Validation::check_value(const std::optional<Number>& number, const vocabulary::About&, const Where& where) {
   if (number) (void)finite(*number, where);
 }
 
-void Validation::check_value(const Triple& numbers, const rows::About&, const Where& where) {
+void Validation::check_value(const Triple& numbers, const vocabulary::About&, const Where& where) {
   for (std::size_t k = 0; k < 3; ++k) (void)finite(numbers[k], where / k);
 }
 
-void Validation::check_value(const std::vector<std::pair<std::string, Number>>& terms, const rows::About& about,
+void Validation::check_value(const std::vector<std::pair<std::string, Number>>& terms, const vocabulary::About& about,
                              const Where& where) {
   for (std::size_t i = 0; i < terms.size(); ++i) {
     check_value(terms[i].first, about, where / i / std::size_t{0});
@@ -70,17 +70,17 @@ void Validation::check_value(const std::vector<std::pair<std::string, Number>>& 
   }
 }
 
-void Validation::check_value(const Law& law, const rows::About&, const Where& where) { check_law(law, where); }
+void Validation::check_value(const Law& law, const vocabulary::About&, const Where& where) { check_law(law, where); }
 
-void Validation::check_value(const std::vector<Law>& laws, const rows::About& about, const Where& where) {
-  const bool turns = about.means == rows::Means::rotation;
+void Validation::check_value(const std::vector<Law>& laws, const vocabulary::About& about, const Where& where) {
+  const bool turns = about.means == vocabulary::Means::rotation;
   for (std::size_t k = 0; k < laws.size(); ++k) {
     check_law(laws[k], !turns ? where / k : dimension() == 3 ? where / "euler_zyx" / k : where / "angle");
   }
 }
 
 // Checks that the last two items found differ.
-bool Validation::check_differ(const rows::About& about, const Where& where) {
+bool Validation::check_differ(const vocabulary::About& about, const Where& where) {
   if (about.same.empty()) return true;
   const Involved &a = involved_.end()[-2], &b = involved_.end()[-1];
   if (!a.usable || !a.is(b)) return true;
