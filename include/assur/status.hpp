@@ -42,8 +42,9 @@ class Error : public std::runtime_error {
   std::vector<Diagnostic> diagnostics_;
 };
 
-// Outcome of a numerical operation. The names are part of the command's JSON, and the numbers are those of enum assur_code
-// in assur.h: neither changes, and 16, which is free, is never used again. docs/extending.md lists what a new code needs.
+// Outcome of a numerical operation. The names are part of the command's JSON, and the numbers are those of enum
+// assur_code in assur.h: neither changes, and 16, which is free, is never used again. docs/extending.md lists what a
+// new code needs.
 enum class Code : std::uint8_t {
   ok,                   // success; no estimated error exceeds the required accuracy
   singular,             // a matrix without a usable pivot

@@ -72,8 +72,8 @@ class Validation {
                     bool names_all = false);
   bool finite(const Number& number, const Where& where);
 
-  // rows of vocabulary.hpp: names, numbers and laws, and the objects that they refer to (validation_vocabulary.hpp). False
-  // if an entry of a list equals the entry before it; the rule of the kind is then skipped.
+  // rows of vocabulary.hpp: names, numbers and laws, and the objects that they refer to (validation_vocabulary.hpp).
+  // False if an entry of a list equals the entry before it; the rule of the kind is then skipped.
   template <class Kind>
   bool check_row(const Kind& kind, const Where& where);
   template <class Kind, class... Entries>

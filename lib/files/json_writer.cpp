@@ -1,5 +1,5 @@
-// Scene files: from a scene to JSON text, by the rows of vocabulary.hpp. A value is first written on one line, and broken
-// into several ones where it is too long.
+// Scene files: from a scene to JSON text, by the rows of vocabulary.hpp. A value is first written on one line, and
+// broken into several ones where it is too long.
 #include <algorithm>
 #include <bit>
 #include <cerrno>

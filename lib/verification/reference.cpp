@@ -102,7 +102,8 @@ class Comparison {
         const double difference = o.figures[d].difference;
         double size = std::max(o.figures[d].size, scale_[d] * unit);
         // The direction that turns has an acceleration at least as large as the square of the rate.
-        if (d == 2 && is_angle(o.output.parts().front().kind)) size = std::max(size, o.figures[1].size * o.figures[1].size);
+        if (d == 2 && is_angle(o.output.parts().front().kind))
+          size = std::max(size, o.figures[1].size * o.figures[1].size);
         const double error = difference != 0 ? difference / size : 0;
         *of[d] = std::fmax(*of[d], std::isnan(error) ? kInfinity : error);
       }

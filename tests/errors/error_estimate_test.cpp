@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "assur/ensemble.hpp"
-#include "properties/near_singular.hpp"
 #include "motion/fan.hpp"
+#include "properties/near_singular.hpp"
 #include "properties/random_count.hpp"
 #include "runs/ensembles.hpp"
 #include "simulation/run.hpp"

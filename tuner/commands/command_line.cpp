@@ -217,7 +217,7 @@ void add_sweep(CLI::App& app, Invocation& call) {
   add_scene(sweep, call.common, o.scene, o.outputs);
   add_texts(
       sweep, "--vary", [&o](const std::string& text) { take_ranges(o.vary, text); },
-      "Parameters and their ranges (not for the sample linkages)", "a=LOW:HIGH,...");
+      "Parameters and ranges (not for the sample linkages)", "a=LOW:HIGH,...");
   add(sweep, "--samples", o.samples, "Number of samples", "N", number(0, " > 0 and at most 1e15", 1e15))->required();
   using sweep::Sampler;
   add_choice<Sampler, Sampler>(sweep, "--sampler", o.sampler,
@@ -232,14 +232,14 @@ void add_sweep(CLI::App& app, Invocation& call) {
       "Figures of each output (default: min,max)", "LIST");
   add(sweep, "--best", o.best, "List K samples with the smallest first figure", "K", whole_number(1));
   add(sweep, "--strategy", o.strategy, "Solution strategy: auto (default), groups/lanes:8, ...", "TEXT");
-  add(sweep, "--target", o.target, "A CSV with the columns x,y of a curve to compare paths with", "FILE");
+  add(sweep, "--target", o.target, "CSV with columns x,y of a curve to compare paths with", "FILE");
   const CLI::Option* trace =
       add(sweep, "--trace", o.trace, "The point whose path is compared (of linkages the last)", "POINT");
   const CLI::Option* compare =
       add(sweep, "--compare", o.compare, "The distance: nearest (default), timed, fitted or shape", "NAME",
           one_of(sweep::distance_names()));
-  add_file(sweep, "--out", o.out, "Write a CSV (of linkages: an .h5 file); an earlier one is continued")->required();
-  add_file(sweep, "--html", o.html, "Write a page: figures over parameters, and the best in motion");
+  add_file(sweep, "--out", o.out, "Write a CSV (linkages: .h5), or continue an earlier one")->required();
+  add_file(sweep, "--html", o.html, "Write a page: figures over parameters, best in motion");
   finish(sweep, call, command::sweep, o, [&o, trace, compare] {
     const bool is_of_linkages = o.scene == "linkages" || o.scene.starts_with("linkages:");
     for (const CLI::Option* option : {trace, compare}) {
