@@ -86,6 +86,36 @@ TEST(Gears, MembersShareTiles) {
   }
 }
 
+// A nut on a helix: a gear between both coordinates of one cylindrical joint, driven by either of them.
+TEST(Gears, BetweenBothCoordinatesOfAJointMakeAScrew) {
+  const double pitch = 0.004, radius = 0.1;  // m
+  for (const bool by_angle : {true, false}) {
+    const std::string driven = by_angle ? "S.angle" : "S.displacement";
+    const Scene scene = SceneBuilder("screw", 3)
+                            .add(Body{.name = "nut", .points = {{"P", {radius, 0, 0}, true}}})
+                            .joint("S", Cylindrical{"ground", "nut", Triple{0, 0, 0}, Triple{0, 0, 1}})
+                            .constrain("thread", Gear{"S.angle", "S.displacement", pitch / (2 * kPi)})
+                            .drive("motor", DrivenCoordinate{driven, turning(by_angle ? 2 * kPi : pitch)})
+                            .output("P")
+                            .output("S.angle")
+                            .time(0, 3, 0.05)
+                            .build();
+    for (const char* strategy : {"auto", "irreducible/eigen"}) {
+      SCOPED_TRACE(driven + " " + strategy);
+      const Trajectory t = test::run(scene, strategy).trajectory;
+      ASSERT_EQ(t.rows(), 61u);
+      for (std::size_t k = 0; k < t.rows(); ++k) {
+        const double turns = t.times()[k], angle = 2 * kPi * turns;
+        EXPECT_NEAR(t(k, t.index("S.angle")), angle, 1e-10);  // lengths of 1e-16 m are 2e-13 rad on this thread
+        EXPECT_NEAR(t(k, t.index("P.x")), radius * std::cos(angle), 1e-11);
+        EXPECT_NEAR(t(k, t.index("P.y")), radius * std::sin(angle), 1e-11);
+        EXPECT_NEAR(t(k, t.index("P.z")), pitch * turns, 1e-13);
+        EXPECT_NEAR(t(k, t.index("P.vz")), pitch, 1e-12);
+      }
+    }
+  }
+}
+
 // The rod of a slider-crank, which no driver turns, moves a wheel.
 TEST(Gears, WheelFollowsAnAngleThatIsSolved) {
   const Scene scene = SceneBuilder("slider-crank with a wheel", 2)
