@@ -231,8 +231,8 @@ void ErrorEstimate::finish(const double* const (&state)[3], std::span<const doub
   for (std::size_t p = 0; p < layout_.packs.size(); ++p) {
     const LaneArray& omega = layout_.packs[p].omega;
     // Beside a change point errors are larger than at the limit on it: any condition there has grown.
-    const bool at_limit = layout_.limits[p].exists();
-    for (const double now : omega) omega_.push_back(at_limit ? 0 : now);
+    const bool on_change_point = layout_.change_points[p].exists();
+    for (const double now : omega) omega_.push_back(on_change_point ? 0 : now);
   }
   for (std::size_t i = 0; i < used_; ++i) {
     Mechanism& m = mechanisms_[i];

@@ -85,9 +85,9 @@ class ErrorEstimate {
           ends = true;
           return;
         }
-        const ChangePointPosture& limit = layout_.limits[p];
-        if (limit.exists()) solver.perturb(layout_.packs[p], limit, state, probes(), seed_);
-        regular_[p] = limit.exists() || solver.perturb(layout_.packs[p], state, probes(), unseen, seed_) ? 1 : 0;
+        const ChangePointPosture& posture = layout_.change_points[p];
+        if (posture.exists()) solver.perturb(layout_.packs[p], posture, state, probes(), seed_);
+        regular_[p] = posture.exists() || solver.perturb(layout_.packs[p], state, probes(), unseen, seed_) ? 1 : 0;
       });
       if (ends) {
         steps_ = interval_;

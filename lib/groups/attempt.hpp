@@ -34,11 +34,11 @@ struct StepErrors {
 struct Attempt {
   // Test that the solution is on the branch.
   enum class Branch : std::uint8_t {
-    start,     // the posture is given: measure the ball around it
-    inside,    // stay inside the ball
-    pass,      // through a change point: the corrections must contract
-    limit,     // on a change point: nothing is solved, `limit` is the posture
-    anywhere,  // no test: find out if there is a solution; the packs keep nothing
+    start,         // the posture is given: measure the ball around it
+    inside,        // stay inside the ball
+    pass,          // through a change point: the corrections must contract
+    change_point,  // nothing is solved, `change_point` is the posture
+    anywhere,      // no test: find out if there is a solution; the packs keep nothing
   };
   Branch branch = Branch::inside;
   std::int64_t number = 0;  // unique, from 1 on; identifies the attempt when packs undo it
@@ -47,7 +47,7 @@ struct Attempt {
   double converged = kConverged;  // relative residual that counts as solved
   double time = kNan;             // time of the posture relative to any fixed origin, s; NaN: unknown
   double largest_correction = 0;  // pass: a larger first correction (maximum norm) may lead to the other branch
-  const ChangePointPosture* limit = nullptr;
+  const ChangePointPosture* change_point = nullptr;
   bool all_rates = false;   // compute rates of all unknowns, wanted or not; accelerations of all or none
   bool makes_code = false;  // start: machine code may be made, which takes time; else only existing code is used
 };

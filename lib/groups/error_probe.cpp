@@ -81,14 +81,14 @@ bool ErrorProbe::perturb(Pack& pack, const double* const (&state)[3], Probes pro
                             {{0, acceleration, &work_.input_accelerations, 1}, {1, rate, &work_.input_rates, 2}});
 }
 
-// An error of the inputs along their motion is an error of the time, which the limit follows like any other time.
-// Across it, it would separate the branches: their crossing counts as exact, and the limit's own error is what both
-// sides say.
-void ErrorProbe::perturb(const Pack& pack, const ChangePointPosture& limit, const double* const (&state)[3],
+// An error of the inputs along their motion is an error of the time, which the posture on a change point follows like any
+// other. Across it, it would separate the branches: their crossing counts as exact, and its own error is what both sides
+// say.
+void ErrorProbe::perturb(const Pack& pack, const ChangePointPosture& posture, const double* const (&state)[3],
                          Probes probes, std::uint64_t seed) const {
   const std::size_t w = lanes_, n = size_ / w, inputs = pack.inputs.size() / w;
-  const double* const of[4] = {limit.values.data(), limit.values.data() + size_, limit.values.data() + 2 * size_,
-                               limit.values.data() + 3 * size_};
+  const double* const of[4] = {posture.values.data(), posture.values.data() + size_, posture.values.data() + 2 * size_,
+                               posture.values.data() + 3 * size_};
   for (std::size_t k = 0; k < probes.size(); ++k) {
     const auto& errors = probes[k].errors;
     RandomSign sign(seed + pack.unknowns * probes.size() + k);
@@ -109,7 +109,7 @@ void ErrorProbe::perturb(const Pack& pack, const ChangePointPosture& limit, cons
       for (std::size_t i = 0; i < n; ++i) {
         const std::size_t at = i * w + l;
         const double side = probes[k].cause == Probe::Cause::rounding ? sign() : 0;
-        const auto [in_posture, in_rate, in_acceleration] = limit.errors;
+        const auto [in_posture, in_rate, in_acceleration] = posture.errors;
         errors[0][pack.unknowns + at] = of[1][at] * time + side * in_posture;
         errors[1][pack.unknowns + at] = of[2][at] * time + of[1][at] * rate + side * in_rate;
         errors[2][pack.unknowns + at] =

@@ -48,8 +48,8 @@ class ErrorProbe {
   [[nodiscard]] bool perturb(Pack& pack, const double* const (&state)[3], Probes probes, const Unseen& unseen,
                              std::uint64_t seed);
 
-  // The same at a limit.
-  void perturb(const Pack& pack, const ChangePointPosture& limit, const double* const (&state)[3], Probes probes,
+  // The same on a change point.
+  void perturb(const Pack& pack, const ChangePointPosture& posture, const double* const (&state)[3], Probes probes,
                std::uint64_t seed) const;
 
   // Computes the changes of the unknowns that follow from changes of the inputs, to first order. changes: arrays in the

@@ -60,7 +60,8 @@ void GroupSolver::size(Pack& pack) const {
 
 Status GroupSolver::solve(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters,
                           StepErrors& errors) {
-  if (attempt.branch == Attempt::Branch::limit) return take(*attempt.limit, pack, state, counters, errors);
+  if (attempt.branch == Attempt::Branch::change_point)
+    return use_change_point(*attempt.change_point, pack, state, counters, errors);
   std::fill(is_kept_.begin(), is_kept_.end(), std::uint8_t{0});
   if (Status s; small_step_ && small_step(pack, state, attempt, counters, errors, s)) return s;
   solver_.choose(pack);
@@ -121,10 +122,10 @@ void GroupSolver::take_kept(const Pack& pack, double* const (&state)[3]) const {
   }
 }
 
-Status GroupSolver::take(const ChangePointPosture& limit, const Pack& pack, double* const (&state)[3],
-                         Counters& counters, StepErrors& errors) {
+Status GroupSolver::use_change_point(const ChangePointPosture& posture, const Pack& pack, double* const (&state)[3],
+                                     Counters& counters, StepErrors& errors) {
   const std::size_t size = work_.size();
-  for (std::size_t d = 0; d < 3; ++d) std::copy_n(limit.values.data() + d * size, size, state[d] + pack.unknowns);
+  for (std::size_t d = 0; d < 3; ++d) std::copy_n(posture.values.data() + d * size, size, state[d] + pack.unknowns);
   counters.group_solutions += pack.used;
   const double left = step_.residual_of(pack, state[0]);
   if (!(left <= kConsistent)) return pack.failed(Code::not_converged, left, 0);

@@ -93,9 +93,9 @@ class GroupSolver {
                              std::uint64_t seed) {
     return probe_.perturb(pack, state, probes, unseen, seed);
   }
-  void perturb(const Pack& pack, const ChangePointPosture& limit, const double* const (&state)[3], Probes probes,
+  void perturb(const Pack& pack, const ChangePointPosture& posture, const double* const (&state)[3], Probes probes,
                std::uint64_t seed) {
-    probe_.perturb(pack, limit, state, probes, seed);
+    probe_.perturb(pack, posture, state, probes, seed);
   }
   [[nodiscard]] bool follow(Pack& pack, const double* posture, std::span<double* const> changes) {
     return probe_.follow(pack, posture, changes);
@@ -103,8 +103,8 @@ class GroupSolver {
   [[nodiscard]] GroupHealth examine(Pack& pack, const double* state) { return probe_.examine(pack, state); }
 
  private:
-  [[nodiscard]] Status take(const ChangePointPosture& limit, const Pack& pack, double* const (&state)[3],
-                            Counters& counters, StepErrors& errors);
+  [[nodiscard]] Status use_change_point(const ChangePointPosture& posture, const Pack& pack, double* const (&state)[3],
+                                        Counters& counters, StepErrors& errors);
   // Tries the step in registers. False if the step cannot be made so, or if lanes fail; results of other lanes are
   // kept.
   [[nodiscard]] bool small_step(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters,

@@ -128,7 +128,7 @@ void Continuation::start(double time, const std::vector<double>& posture, const 
   converged_ = kConverged;
   any_turn_ = true;
   bows_.clear();
-  drop_limit();
+  leave_change_point();
   state_.clear();
   for (std::size_t c = 0; c < layout_.address.size(); ++c) {
     if (layout_.address[c] >= 0) state_.at(0)[layout_.address[c]] = posture[c];
@@ -193,9 +193,9 @@ void Continuation::save(Snapshot& into, bool in_step) const {
   conditions_.save(into.conditions, in_step, report_.counters.branch_checks);
   into.angles = inputs_.program().accepted_angles();
   bows_.save(into.bows, report_.counters.branch_checks);
-  into.limit_at = limit_at_;
-  into.pack_limits.clear();
-  if (!std::isnan(limit_at_)) into.pack_limits = layout_.limits;
+  into.change_point_at = change_point_at_;
+  into.change_points.clear();
+  if (!std::isnan(change_point_at_)) into.change_points = layout_.change_points;
 }
 
 bool Continuation::fits(const Snapshot& from) const {
@@ -221,9 +221,9 @@ void Continuation::restore(const Snapshot& from) {
   conditions_.restore(from.conditions, now_, report_.counters.branch_checks);
   inputs_.program().accept(from.angles);
   bows_.restore(from.bows, report_.counters.branch_checks);
-  drop_limit();
-  if (!from.pack_limits.empty()) layout_.limits = from.pack_limits;
-  limit_at_ = from.limit_at;
+  leave_change_point();
+  if (!from.change_points.empty()) layout_.change_points = from.change_points;
+  change_point_at_ = from.change_point_at;
   wants_reselection_ = false;
 }
 

@@ -1,5 +1,5 @@
 // Continuation: moves from posture to posture along the current branch. Halves a step that may leave the branch, or
-// that Newton's method does not solve; passes change points; keeps the last good posture at a limit.
+// that Newton's method does not solve; passes change points; keeps the last good posture where a motion ends.
 #pragma once
 
 #include <array>
@@ -63,8 +63,8 @@ class Continuation {
     MotionConditions::Snapshot conditions;
     std::vector<double> angles;  // of the drivers
     Bows::Measured bows;
-    double limit_at = kNan;
-    std::vector<ChangePointPosture> pack_limits;
+    double change_point_at = kNan;
+    std::vector<ChangePointPosture> change_points;
   };
   // Allocates no memory if `into` holds a snapshot of the same plan. in_step: the call comes within a step that has not
   // left its first posture; the snapshot is then the state before the step.
@@ -149,8 +149,8 @@ class Continuation {
   [[nodiscard]] const double* at(int d) const { return state_.at(d); }
   // True if an angle of the last step passed so close to a point without direction that its turn is a guess.
   [[nodiscard]] bool turn_guessed() const { return turn_guessed_; }
-  // True if the current posture is a limit: no linear system there gives rates.
-  [[nodiscard]] bool on_change_point() const { return now_ == limit_at_; }
+  // True if the current posture stands on a change point: no linear system there gives rates.
+  [[nodiscard]] bool on_change_point() const { return now_ == change_point_at_; }
   [[nodiscard]] const StepErrors& errors() const { return last_errors_; }
   // The limited quantities, as in Preparation::start_limits.
   [[nodiscard]] std::vector<double> limited() const { return conditions_.limited(); }
@@ -207,8 +207,9 @@ class Continuation {
   [[nodiscard]] bool is_avoided(double h, double first);
   [[nodiscard]] bool pass_by(double reach, double smallest, double to);
   [[nodiscard]] bool arrive_on_change_point(double t, double smallest);
-  [[nodiscard]] bool find_limit(double t, double reach, double smallest, std::vector<ChangePointPosture>& limits);
-  void drop_limit();
+  [[nodiscard]] bool find_change_point(double t, double reach, double smallest,
+                                       std::vector<ChangePointPosture>& postures);
+  void leave_change_point();
   [[nodiscard]] bool walk(double until, double h, double change);
   [[nodiscard]] const std::string& name_of(const Noticed& event) const;
   [[nodiscard]] Noticed about_limit(const LimitWatch::Change& change) const;
@@ -242,11 +243,11 @@ class Continuation {
   double now_ = 0;
   std::int64_t attempts_ = 0, rejected_ = 0;
   double last_before_pass_ = 0;
-  double beyond_ = 0;       // a time behind the crossing that was found last
-  double limit_at_ = kNan;  // time of the posture whose packs hold limits; NaN: none does
-  bool passes_ = false;     // a change point is being passed: limits are checked afterwards
-  int angles_together_;     // angles_together()
-  bool any_turn_ = true;    // angles take the shorter way, even if they turn far
+  double beyond_ = 0;              // a time behind the crossing that was found last
+  double change_point_at_ = kNan;  // time of the posture whose packs stand on change points; NaN: none does
+  bool passes_ = false;            // a change point is being passed: limits are checked afterwards
+  int angles_together_;            // angles_together()
+  bool any_turn_ = true;           // angles take the shorter way, even if they turn far
   bool turn_guessed_ = false;
   double turned_ = 0;    // length of the step that was tried over the largest allowed one, by turns and bows
   double shortest_ = 0;  // length of the shortest attempt at this step, until its failure is examined

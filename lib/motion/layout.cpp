@@ -122,7 +122,7 @@ Layout lay_out(const Preparation& prepared) {
       return std::tie(system, structure.groups[idx(pack.groups[lane < pack.groups.size() ? lane : 0])]);
     });
   }
-  out.limits.resize(out.packs.size());
+  out.change_points.resize(out.packs.size());
   return out;
 }
 
@@ -162,7 +162,7 @@ Layout lay_out_side_by_side(const Preparation& prepared, int lanes) {
     pack.input_rows = input_rows(pack.inputs, structure.groups[g].inputs.size(), w);
     out.solvers[idx(pack.group_class)]->size(pack);
   }
-  out.limits.resize(out.packs.size());
+  out.change_points.resize(out.packs.size());
   return out;
 }
 

@@ -18,7 +18,7 @@ struct Layout {
   std::size_t size = 0;
   std::vector<std::unique_ptr<GroupSolver>> solvers;  // classes
   std::vector<Pack> packs;                            // by level
-  std::vector<ChangePointPosture> limits;             // packs; they exist where the mechanism stands on a change point
+  std::vector<ChangePointPosture> change_points;      // packs; they exist where the mechanism stands on a change point
 };
 
 // Makes one solver for each class. lanes: replaces W of the plan; 0: as planned. code: null, or machine code for small

@@ -132,7 +132,7 @@ Attempt Continuation::usual_attempt(double t, Attempt::Branch branch, double con
 
 // True if all groups are solved by the same rules.
 bool Continuation::is_usual(Attempt::Branch branch) const {
-  return branch == Attempt::Branch::inside && settings_.iterations == 0 && !expands_ && std::isnan(limit_at_) &&
+  return branch == Attempt::Branch::inside && settings_.iterations == 0 && !expands_ && std::isnan(change_point_at_) &&
          std::all_of(passing_.begin(), passing_.end(), [](std::uint8_t passes) { return passes == 0; });
 }
 
@@ -143,11 +143,11 @@ Status Continuation::solve_packs(double t, Attempt::Branch branch, double conver
   const auto attempt = [&](std::size_t p) {
     Attempt a = usual;
     if (inside && packs_[p].level > 0) a.iterations = settings_.iterations;
-    const bool has_limit = layout_.limits[p].exists();
-    if (inside && has_limit && t == limit_at_) {
-      a.branch = Attempt::Branch::limit;
-      a.limit = &layout_.limits[p];
-    } else if (inside && (has_limit || passing_[p] != 0)) {
+    const bool stands = layout_.change_points[p].exists();
+    if (inside && stands && t == change_point_at_) {
+      a.branch = Attempt::Branch::change_point;
+      a.change_point = &layout_.change_points[p];
+    } else if (inside && (stands || passing_[p] != 0)) {
       a.branch = Attempt::Branch::pass;
       a.converged = kConverged;
       const GroupSolver& s = levels_.solver(packs_[p]);
@@ -210,7 +210,7 @@ void Continuation::record_stop(const Status& stopped, double target) {
 }
 
 void Continuation::accept(double t, const StepErrors& errors) {
-  if (t != limit_at_ && !std::isnan(limit_at_)) drop_limit();
+  if (t != change_point_at_ && !std::isnan(change_point_at_)) leave_change_point();
   state_.accept(t);
   inputs_.program().accept();
   if (conditions_.is_followed()) conditions_.accept(t - now_, passes_);

@@ -48,19 +48,19 @@ bool Continuation::arrive_on_change_point(double t, double smallest) {
   try {
     inputs_.expand_about(t);
     for (int k = 0; k < kReaches && is_beside(); ++k, reach /= 2) {
-      std::vector<ChangePointPosture> limits;
+      std::vector<ChangePointPosture> postures;
       failed_pack_ = at_fault;
-      const bool found = find_limit(t, reach, smallest, limits);
+      const bool found = find_change_point(t, reach, smallest, postures);
       restore(here);
       if (!found) continue;
       double worst = 0;
-      for (const ChangePointPosture& limit : limits) {
-        const auto [in_posture, in_rate, in_acceleration] = limit.errors;
+      for (const ChangePointPosture& posture : postures) {
+        const auto [in_posture, in_rate, in_acceleration] = posture.errors;
         worst = std::max({worst, in_posture, in_rate / rate, in_acceleration / (rate * rate)});
       }
       if (!(worst < least)) break;
       least = worst;
-      best = std::move(limits);
+      best = std::move(postures);
       if (least <= kExact) break;
     }
     inputs_.follow();
@@ -71,8 +71,8 @@ bool Continuation::arrive_on_change_point(double t, double smallest) {
   }
   failed_pack_ = at_fault;
   if (best.empty()) return false;
-  layout_.limits = std::move(best);
-  limit_at_ = t;
+  layout_.change_points = std::move(best);
+  change_point_at_ = t;
   passes_ = false;
   const bool arrived = try_step(t, Attempt::Branch::inside).ok();
   passes_ = true;
@@ -83,7 +83,8 @@ bool Continuation::arrive_on_change_point(double t, double smallest) {
 }
 
 // The limits at t of the packs that cross branches there, from samples up to `reach` seconds away.
-bool Continuation::find_limit(double t, double reach, double smallest, std::vector<ChangePointPosture>& limits) {
+bool Continuation::find_change_point(double t, double reach, double smallest,
+                                     std::vector<ChangePointPosture>& postures) {
   constexpr std::size_t kSide = kLimitPlaces.size();
   const double change = now_;
   struct Posture {
@@ -108,12 +109,12 @@ bool Continuation::find_limit(double t, double reach, double smallest, std::vect
     if (!sample(-kLimitPlaces[k], samples[k])) return false;
   }
   const TwoSidedLimit weights(reach);
-  limits.resize(packs_.size());
+  postures.resize(packs_.size());
   for (std::size_t p = 0; p < packs_.size(); ++p) {
     if (cross[p] == 0) continue;
     const GroupSolver& solver = levels_.solver(packs_[p]);
     const std::size_t size = idx(solver.group_class().n) * idx(solver.lanes());
-    limits[p].values.resize(4 * size);
+    postures[p].values.resize(4 * size);
     std::array<double, 3> gap{};
     double move = 0;
     for (std::size_t i = 0; i < size; ++i) {
@@ -123,10 +124,10 @@ bool Continuation::find_limit(double t, double reach, double smallest, std::vect
         rates[k] = samples[k].rates[packs_[p].unknowns + i];
       }
       const TwoSidedLimit::Limit limit = weights.of(values, rates);
-      for (std::size_t d = 0; d < 4; ++d) limits[p].values[d * size + i] = limit.value[d];
+      for (std::size_t d = 0; d < 4; ++d) postures[p].values[d * size + i] = limit.value[d];
       for (std::size_t d = 0; d < 3; ++d) {
         const double rounding = 4 * kEps * std::abs(limit.value[d]);
-        limits[p].errors[d] = std::max({limits[p].errors[d], limit.error[d], rounding});
+        postures[p].errors[d] = std::max({postures[p].errors[d], limit.error[d], rounding});
         gap[d] = std::max(gap[d], limit.gap[d]);
       }
       for (const double value : values) move = std::max(move, std::abs(value - limit.value[0]));
@@ -140,10 +141,10 @@ bool Continuation::find_limit(double t, double reach, double smallest, std::vect
   return true;
 }
 
-void Continuation::drop_limit() {
-  if (std::isnan(limit_at_)) return;
-  layout_.limits.assign(packs_.size(), {});
-  limit_at_ = kNan;
+void Continuation::leave_change_point() {
+  if (std::isnan(change_point_at_)) return;
+  layout_.change_points.assign(packs_.size(), {});
+  change_point_at_ = kNan;
 }
 
 }  // namespace assur

@@ -62,7 +62,8 @@ Status OutputSlopes::follow_drivers() {
     std::copy(known_[1].begin(), known_[1].end(), changes_[i].begin());
   }
   motion_.levels().each([&](std::size_t p, GroupSolver& solver) {
-    const bool has_slopes = !motion_.layout().limits[p].exists();  // no linear system gives them on a change point
+    const bool has_slopes =
+        !motion_.layout().change_points[p].exists();  // no linear system gives them on a change point
     regular_[p] = has_slopes && solver.follow(motion_.packs()[p], motion_.at(0), pointers_) ? 1 : 0;
   });
   const auto singular = std::find(regular_.begin(), regular_.end(), 0);
