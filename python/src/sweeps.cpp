@@ -62,7 +62,7 @@ struct Table {
   Names status;
   std::vector<std::vector<double>> parameters, values;
 
-  void take(const sweep::Row& row) {
+  void take(const sweep::DesignSample& row) {
     samples.push_back(row.sample);
     status.push_back(row.status);
     reached.push_back(row.reached);
@@ -140,7 +140,7 @@ py::object run(const Scene& scene, const py::dict& vary, std::int64_t samples, c
     table->parameters.resize(ranges.size());
     table->values.resize(figures.size());
     for (std::int64_t b = first / sweep::Sweep::kBlock; !stopped && b * sweep::Sweep::kBlock < last; ++b) {
-      for (const sweep::Row& row : sweep.block(b)) {
+      for (const sweep::DesignSample& row : sweep.block(b)) {
         if (row.sample >= first && row.sample < last) table->take(row);
       }
     }
