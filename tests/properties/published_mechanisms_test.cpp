@@ -7,6 +7,7 @@
 #include "errors/conditions.hpp"
 #include "errors/deviation.hpp"
 #include "references/planar.hpp"
+#include "structure/grouped_system.hpp"
 
 namespace assur {
 namespace {
