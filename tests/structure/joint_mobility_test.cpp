@@ -15,6 +15,7 @@
 #include "properties/random_count.hpp"
 #include "scene/triple.hpp"
 #include "start/redundant_sets.hpp"
+#include "structure/grouped_system.hpp"
 
 namespace assur {
 namespace {
