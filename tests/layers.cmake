@@ -1,8 +1,7 @@
-# Checks the order of lib/ and of tuner/: each folder includes only itself and folders to its left, so that none of lib/
-# includes db/. Each public header is a layer of its own, to the left of the folder or file that implements it. The
-# sources of the core (CORE, relative to lib/) include, directly or indirectly, none of the libraries that the core must
-# not use. The CMakeLists.txt of each part lists all its sources. Fast paths
-# name no features.
+# Checks the order of lib/ and of tuner/: each folder includes only itself and folders to its left, so that none of
+# lib/ includes db/. Each public header is a layer of its own, to the left of the folder or file that implements it.
+# The sources of the core (CORE, relative to lib/) include, directly or indirectly, none of the libraries that the
+# core must not use. The CMakeLists.txt of each part lists all its sources. Fast paths name no features.
 cmake_minimum_required(VERSION 3.25)
 set(foreign "^#include [<\"](nlohmann|muParser|cs\\.h|btf\\.h|klu\\.h|umfpack|dmumps|suitesparse|SQLite|CLI|boost|tinyxml2|asmjit)")
 set(findings "")
@@ -31,8 +30,8 @@ check_order(${TUNER} measure mechanisms output sweep pictures check tuning repor
 set(lib_layers version.hpp status.hpp status.cpp machine.hpp parallel backend.hpp strategy.hpp strategy.cpp backends
   report.hpp report.cpp status_text.hpp status_text.cpp number.hpp law.hpp scene.hpp scene joints builder files samples
   mjcf.hpp mjcf structure.hpp equations graph start structure evaluation program executors performance.hpp plan.hpp
-  saved_plan.hpp derivatives.hpp dispatch plan modes.hpp modes rows.hpp outputs drivers groups step_settings.hpp motion errors
-  jacobian.hpp simulator.hpp motion_range.hpp simulation ensemble.hpp runs tables verification curve.hpp fleet.hpp fleet
+  saved_plan.hpp derivatives.hpp dispatch plan modes.hpp modes rows.hpp outputs drivers groups step_settings.hpp motion
+  errors jacobian.hpp simulator.hpp motion_range.hpp simulation ensemble.hpp runs tables verification curve.hpp fleet.hpp fleet
   print.hpp print.cpp eigen.hpp assur.hpp assur.h c db)
 check_order(${INCLUDE} ${lib_layers})
 foreach(file IN LISTS files)

@@ -9,7 +9,7 @@
 namespace assur::lanes {
 namespace {
 
-constexpr double kGrowthPerUnknown = 16, kMostGrowth = 4096;  // backward errors: see limits_of() in the header
+constexpr double kGrowthPerUnknown = 16, kMostGrowth = 4096;  // backward errors: see lanes_factors.hpp
 
 template <class T>
 Limits limits_of(std::int32_t n) {

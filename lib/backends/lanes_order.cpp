@@ -222,7 +222,7 @@ Elimination::Candidate Elimination::search() const {
 }
 
 // The entry that is largest in its worst lane. If it is too small there: the entry that serves most lanes, and the
-// cheapest of these. LaneRow -1 if there is none.
+// cheapest of these. Row -1 if there is none.
 Elimination::Candidate Elimination::compromise() const {
   Candidate largest, most;
   for (Index i = 0; i < n_; ++i) {

@@ -42,7 +42,7 @@ class Independence {
   };
   struct Gradient {
     Index equation;
-    std::vector<Coefficient> entries = {};  // its gradient
+    std::vector<Coefficient> entries = {};  // nonzeros
     double length = 0;                      // over the unknowns of the units; at least kLeastScale
     // Quadratic equations: an entry is the sum of value * coordinate over its slopes; the slopes of an entry are
     // consecutive.
