@@ -1,9 +1,13 @@
 #include "db/connection.hpp"
 
 #include <sqlite3.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <array>
+#include <cerrno>
 #include <chrono>
+#include <cstring>
 #include <fstream>
 #include <new>
 #include <thread>
@@ -24,6 +28,9 @@ void refuse_unusable(const fs::path& file) {
   if (const std::string kind = why_not_regular(file); !kind.empty()) throw Unusable(Trouble::foreign, file, kind);
   std::array<char, 100> header{};
   std::ifstream stream(file, std::ios::binary);
+  if (!stream && errno != ENOENT && errno != ENOTDIR) {
+    throw Unusable(Trouble::blocked, file, std::string("cannot be read: ") + std::strerror(errno));
+  }
   stream.read(header.data(), header.size());
   const std::string_view bytes(header.data(), static_cast<std::size_t>(stream.gcount()));
   if (bytes.empty()) throw Unusable(Trouble::absent, file, "there is no tuning database yet; run `assur tune`");
@@ -100,9 +107,19 @@ void set_journal(SQLite::Database& database, const char* statement, std::chrono:
   while_busy(patience, [&] { return database.exec(statement); });
 }
 
+// Root does not make a folder among those of a user, who could not write in it later (`sudo assur tune`).
 void make_folder(const fs::path& file) {
+  const fs::path folder = fs::absolute(file).parent_path();
+  fs::path there = folder;
+  struct stat found {};
+  while (stat(there.c_str(), &found) != 0 && there.has_relative_path()) there = there.parent_path();
+  if (there != folder && geteuid() == 0 && found.st_uid != 0) {
+    throw Unusable(Trouble::blocked, file,
+                   "its folder does not exist, and if root makes it, user " + std::to_string(found.st_uid) +
+                       ", who owns " + there.string() + ", cannot write in it; run the command as this user");
+  }
   std::error_code error;
-  fs::create_directories(fs::absolute(file).parent_path(), error);
+  fs::create_directories(folder, error);
   if (error) throw Unusable(Trouble::blocked, file, "its folder cannot be created: " + error.message());
 }
 

@@ -86,11 +86,13 @@ std::optional<double> Store::usual_pace(const Host& host) const {
   });
 }
 
-Counts Store::counts() const {
+Counts Store::counts(const std::string& machine) const {
   return guarded(impl_->file, [&] {
     const auto [tables, samples] = read_all(impl_->database);
     Counts counts{static_cast<std::int64_t>(samples.rows.size()), samples.unknown};
     for (const SampleRow& row : samples.rows) {
+      const std::int64_t measured_on = tables.runs.at(row.run).value.machine;
+      if (tables.machines.at(measured_on).fingerprint() != machine) continue;
       const Library& library = tables.libraries.at(row.library).value;
       if (library != impl_->library(library.name)) ++counts.stale;
     }

@@ -70,7 +70,7 @@ struct Answer {
 struct Counts {
   std::int64_t samples = 0;
   std::int64_t unknown = 0;  // samples of a kernel or strategy that this version does not know
-  std::int64_t stale = 0;    // samples of another version of their library
+  std::int64_t stale = 0;    // samples of this machine, but of another version of their library
 };
 
 struct Forgotten {
@@ -127,7 +127,8 @@ class Store {
   [[nodiscard]] Answer crossovers(const Filter& filter = {}) const;
   [[nodiscard]] Answer models() const;
 
-  [[nodiscard]] Counts counts() const;
+  // machine: fingerprint of this machine; "": nothing is stale.
+  [[nodiscard]] Counts counts(const std::string& machine = {}) const;
 
   // Deletes the selected samples, then runs and other rows that no sample refers to. Throws Error (input) for an empty
   // filter; use forget_all().

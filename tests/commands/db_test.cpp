@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <sstream>
+#include <tuple>
 
 #include "commands/command.hpp"
 #include "db/samples.hpp"
@@ -124,7 +125,6 @@ TEST(Db, PrintsSamplesBestCrossoversAndModelsAsRows) {
   EXPECT_EQ(samples[0]["seconds"], 1e-7);
   EXPECT_TRUE(samples[0]["forward_error"].is_null());
   EXPECT_EQ(rows(file, {"samples", "--library", "eigen"}).size(), 2u);
-  EXPECT_EQ(rows(file, {"samples", "--run", "2"}).size(), 0u);
   EXPECT_EQ(rows(file, {"samples", "--kernel", "solve"}).size(), 0u);
   EXPECT_EQ(rows(file, {"samples", "--machine", host_with(4).fingerprint().substr(0, 6)}).size(), 4u);
 
@@ -187,7 +187,15 @@ TEST(Db, ForgetsOnlySelectedSamples) {
   const auto forgotten = rows(file, {"forget", "--library", "klu"}).at(0);
   EXPECT_EQ(forgotten["samples"], 8);
   EXPECT_EQ(forgotten["runs"], 1);
-  EXPECT_EQ(rows(file, {"forget", "--machine", "nobody"}).at(0)["samples"], 0);
+  const std::string here = host_with(2).fingerprint();
+  for (const auto& [option, text, wanted] : {std::tuple{"--machine", "nobody", "machine nobody; it has " + here},
+                                             std::tuple{"--run", "1", std::string("tuning run 1; it has 2")}}) {
+    for (const char* command : {"forget", "samples"}) {
+      const Outcome outcome = ask(file, {command, option, text});
+      EXPECT_EQ(outcome.status, 2) << command;
+      EXPECT_EQ(outcome.err, "error: " + std::string(option) + ": " + file + " has no " + wanted + "\n");
+    }
+  }
   EXPECT_EQ(rows(file, {"forget", "--all"}).at(0)["samples"], 5);
   EXPECT_EQ(ask(scratch.file("absent.db"), {"forget", "--all"}).status, 3);
   EXPECT_FALSE(std::filesystem::exists(scratch.file("absent.db")));

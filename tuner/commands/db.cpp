@@ -1,6 +1,7 @@
 // assur db
-#include <cstring>
+#include <algorithm>
 #include <iostream>
+#include <set>
 
 #include "commands/db_parts.hpp"
 #include "db/machine_model.hpp"
@@ -48,7 +49,27 @@ void warn_of_database(const Common& common, const Store& store) {
   }
 }
 
-db::Filter filter_of(const DbOptions& options) {
+// Refuses a machine or run that the database does not have.
+db::Filter filter_of(const Store& store, const DbOptions& options) {
+  const std::vector<db::Run> runs = store.runs();
+  const auto refuse = [&](const std::string& option, const std::string& wanted, const std::set<std::string>& known) {
+    std::string all;
+    for (const std::string& one : known) all += (all.empty() ? "" : ", ") + one;
+    throw Error(Error::Kind::input, option + ": " + store.file().string() + " has no " + wanted +
+                                        (all.empty() ? "; it has none" : "; it has " + all));
+  };
+  std::set<std::string> machines, numbers;
+  for (const db::Run& run : runs) {
+    machines.insert(run.machine);
+    numbers.insert(std::to_string(run.id));
+  }
+  const auto is_wanted = [&](const std::string& machine) { return machine.starts_with(options.machine); };
+  if (std::none_of(machines.begin(), machines.end(), is_wanted) && !options.machine.empty()) {
+    refuse("--machine", "machine " + options.machine, machines);
+  }
+  if (options.run && numbers.count(std::to_string(*options.run)) == 0) {
+    refuse("--run", "tuning run " + std::to_string(*options.run), numbers);
+  }
   db::Filter filter;
   filter.run = options.run;
   filter.machine = options.machine;
@@ -74,7 +95,7 @@ int show(const Common& common, const Store& store, const db::Answer& answer, con
 
 int show_samples(const Common& common, const DbOptions& options) {
   const Store store = store_to_ask(common);
-  return show(common, store, store.sample_rows(filter_of(options)),
+  return show(common, store, store.sample_rows(filter_of(store, options)),
               {{"machine", "machine"},
                {"kernel", "kernel"},
                {"n", "n"},
@@ -88,7 +109,7 @@ int show_samples(const Common& common, const DbOptions& options) {
 
 int show_best(const Common& common, const DbOptions& options) {
   const Store store = store_to_ask(common);
-  return show(common, store, store.best(filter_of(options)),
+  return show(common, store, store.best(filter_of(store, options)),
               {{"machine", "machine"},
                {"kernel", "kernel"},
                {"n", "n"},
@@ -102,7 +123,7 @@ int show_best(const Common& common, const DbOptions& options) {
 
 int show_crossovers(const Common& common, const DbOptions& options) {
   const Store store = store_to_ask(common);
-  return show(common, store, store.crossovers(filter_of(options)),
+  return show(common, store, store.crossovers(filter_of(store, options)),
               {{"machine", "machine"},
                {"kernel", "kernel"},
                {"dense", "matrix"},
@@ -131,7 +152,7 @@ int done(const Common& common, Json row, const std::string& sentence) {
 
 int export_samples(const Common& common, const DbOptions& options) {
   const Store store = store_to_ask(common);
-  const std::int64_t samples = store.export_to(options.file, filter_of(options));
+  const std::int64_t samples = store.export_to(options.file, filter_of(store, options));
   return done(common, {{"database", store.file().string()}, {"file", options.file}, {"samples", samples}},
               output::counted(samples, "sample") + " of " + store.file().string() + " in " + options.file);
 }
@@ -169,7 +190,7 @@ Store store_to_check(const Common& common) {
 
 int check(const Common& common) {
   const Store store = store_to_check(common);
-  const db::Counts counts = store.counts();
+  const db::Counts counts = store.counts(db::this_host().fingerprint());
   if (common.json) {
     output::print(std::cout, {{"rows", Json::array({{{"database", store.file().string()},
                                                      {"samples", counts.samples},
@@ -195,7 +216,7 @@ int forget(const Common& common, const DbOptions& options) {
   }
   Store store = store_to_change(common, false);
   warn_of_database(common, store);
-  const db::Forgotten forgotten = options.all ? store.forget_all() : store.forget(filter_of(options));
+  const db::Forgotten forgotten = options.all ? store.forget_all() : store.forget(filter_of(store, options));
   return done(common, {{"database", store.file().string()}, {"samples", forgotten.samples}, {"runs", forgotten.runs}},
               output::counted(forgotten.samples, "sample") + " and " + output::counted(forgotten.runs, "tuning run") +
                   " removed from " + store.file().string());

@@ -36,12 +36,12 @@ std::string role(db::DatabaseFile::Role role) {
   return "";
 }
 
-DatabaseState look(const db::DatabaseFile& place) {
+DatabaseState look(const db::DatabaseFile& place, const std::string& here) {
   DatabaseState row{place, {}, false, {}, {}};
   try {
     const db::Store store(place.file, db::Access::read);
     row.runs = store.runs();
-    row.counts = store.counts();
+    row.counts = store.counts(here);
   } catch (const db::Unusable& unusable) {
     row.refused = unusable.trouble() != db::Trouble::absent;
     row.why_not = row.refused ? unusable.what() : "does not exist";
@@ -108,7 +108,7 @@ int db_info(const Common& common) {
   const std::vector<db::DatabaseFile> files = databases_of(common);
   const db::Host host = db::this_host();
   std::vector<DatabaseState> rows;
-  for (const db::DatabaseFile& file : files) rows.push_back(look(file));
+  for (const db::DatabaseFile& file : files) rows.push_back(look(file, host.fingerprint()));
   const bool refused = std::any_of(rows.begin(), rows.end(), [](const DatabaseState& row) { return row.refused; });
   const MachineModel model = db::read_machine_model(files, host, db::library_at_hand);
   if (common.json) {
