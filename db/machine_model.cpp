@@ -8,7 +8,6 @@
 #include <unordered_set>
 #include <utility>
 
-#include "db/checksum.hpp"
 #include "db/connection.hpp"
 #include "db/reader.hpp"
 #include "dispatch/impossible.hpp"
@@ -49,18 +48,12 @@ class Reading {
   const LibraryAtHand& at_hand_;
   std::vector<Source> sources_;
   std::vector<Sample> samples_;
-  std::unordered_set<std::uint64_t> cells_;  // cells that earlier files have
+  std::unordered_set<std::string> uids_;  // of samples_, if there are several files
   std::string source_;
   std::int64_t seen_ = 0, stale_ = 0, impossible_ = 0;  // samples
   std::set<std::string> changes_;                       // "klu was 1.3.9, is 2.0.0"
   std::vector<std::string> messages_;
 };
-
-std::uint64_t cell(const Sample& sample) {
-  Checksum sum;
-  sum << name(sample.kernel) << static_cast<std::int64_t>(checksum(sample.shape)) << to_string(sample.strategy);
-  return sum.value();
-}
 
 std::int64_t difference_in_cores(const Host& a, const Host& b) {
   return std::abs(static_cast<std::int64_t>(a.machine.cores.size()) -
@@ -148,20 +141,15 @@ bool Reading::take_level(Likeness level) {
   return !samples_.empty();
 }
 
-// Omits cells that an earlier file has.
+// Omits copies: one file may have imported the other.
 void Reading::add(std::vector<Sample> found) {
   if (sources_.size() == 1) {
     samples_ = std::move(found);
     return;
   }
-  std::vector<std::uint64_t> added;
   for (Sample& sample : found) {
-    const std::uint64_t key = cell(sample);
-    if (cells_.contains(key)) continue;
-    added.push_back(key);
-    samples_.push_back(std::move(sample));
+    if (uids_.insert(sample.uid).second) samples_.push_back(std::move(sample));
   }
-  cells_.insert(added.begin(), added.end());
 }
 
 void Reading::say_source(const Source& source, std::int64_t machine, Likeness level) {

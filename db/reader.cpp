@@ -354,8 +354,7 @@ void at_usual_pace(Samples& samples, const Tables& tables) {
       continue;
     }
     const double slowness = s.slowness / usual.at({row.run, row.library});
-    s.seconds = slowed(s.kernel, s.seconds, 1 / slowness);
-    s.spread *= 1 / slowness;
+    s = slowed(std::move(s), 1 / slowness);
     s.slowness = slowness;
   }
 }

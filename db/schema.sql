@@ -1,4 +1,4 @@
--- The tuning database of assur, version 3. This file is the only description of its tables, and is built into the
+-- The tuning database of assur, version 4. This file is the only description of its tables, and is built into the
 -- library. Units: seconds, bytes. Kernels, strategies and libraries are stored by name, because another version could
 -- number them differently. db/README.md explains queries by hand.
 
@@ -114,13 +114,13 @@ FROM (SELECT r.machine, r.assur, l.build, s.slowness, row_number() OVER fastest 
       WINDOW fastest AS (PARTITION BY r.machine, r.assur, l.build ORDER BY s.slowness))
 WHERE place = (samples + 3) / 4;
 
--- The newest sample of each cell, at the usual pace. 5 us of a meeting pass by the clock and do not depend on the pace.
+-- The newest sample of each cell, at the usual pace. The pace is that of one core: it does not change the times of
+-- several threads and of GPUs.
 CREATE VIEW measured AS
 SELECT r.machine, s.kernel, s.shape, s.strategy,
-       CASE WHEN s.kernel = 'meeting'
-            THEN min(s.seconds, 5e-6) + max(s.seconds - 5e-6, 0) * coalesce(u.slowness / s.slowness, 1)
-            ELSE s.seconds * coalesce(u.slowness / s.slowness, 1)
-                 / CASE WHEN s.kernel IN ('step', 'around') THEN 1 ELSE t.lanes END END AS seconds,
+       s.seconds * CASE WHEN t.p * t.q > 1 OR t.backend IN ('cusolver', 'magma') THEN 1
+                        ELSE coalesce(u.slowness / s.slowness, 1) END
+                 / CASE WHEN s.kernel IN ('step', 'around') THEN 1 ELSE t.lanes END AS seconds,
        s.spread / s.seconds AS scatter, s.slowness / u.slowness AS slowness, s.backward_error, s.forward_error,
        max(s.id) AS sample
 FROM sample s JOIN tuning_run r ON r.id = s.run JOIN strategy t ON t.id = s.strategy

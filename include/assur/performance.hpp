@@ -102,6 +102,13 @@ class PerformanceModel {
   // Time that a step takes beyond its packs, for laws, prediction and outputs. unknowns: of all groups of the
   // mechanism; pieces: terms of the outputs.
   [[nodiscard]] Prediction around(std::int64_t unknowns, std::int64_t pieces = 0) const;
+  // Whole steps of one mechanism (Kernel::step) that were measured, with the strategy that all its classes share.
+  struct MeasuredStep {
+    Strategy strategy;
+    Prediction time;
+  };
+  // Those of the mechanism whose steps have this shape, in the order of the texts of their strategies.
+  [[nodiscard]] std::vector<MeasuredStep> steps(const Shape& shape) const;
   // Largest measured backward error of a solution with n/2 to 2 n unknowns; 0 if none was measured.
   [[nodiscard]] double backward_error(const Shape& shape, const Strategy& strategy) const;
 

@@ -65,7 +65,8 @@ struct PrepareOptions {
   // Goal of `auto`. For throughput, `auto` fills the lanes and all threads of the budget. A strategy text without
   // +chunks then gets as many chunks as fill its lanes and threads.
   Mode mode = Mode::latency;
-  // The model that `auto` decides by; null: machine_model(). A model without samples decides by operation counts.
+  // The model that `auto` decides by; null: machine_model(). A model without samples decides by operation counts. With
+  // a strategy text, the plan has expected times only if a model is given.
   std::shared_ptr<const PerformanceModel> model = nullptr;
   std::vector<std::string> without = {};  // ids of backends that must not be used
   // Largest forward error (ErrorFigures) that any output may have, e.g. 1e-8; a larger value may save time. 0: as exact

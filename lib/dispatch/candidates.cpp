@@ -13,9 +13,8 @@
 namespace assur {
 namespace {
 
-constexpr double kLeastMeetings = 4;        // meetings of threads within a solver: a factorisation and three solutions
-constexpr std::int32_t kWorthDevice = 100;  // unknowns; fewer are solved before a copy to a GPU and back has ended
-constexpr double kAccurate = 1e-12;         // backward error of a solution in double, with a margin for growth
+constexpr double kLeastMeetings = 4;  // meetings of threads within a solver: a factorisation and three solutions
+constexpr double kAccurate = 1e-12;   // backward error of a solution in double, with a margin for growth
 
 std::string too_inaccurate(const Shape& shape, const Strategy& s, const Scales& scales) {
   const double error = scales.model.backward_error(shape, s);
@@ -127,6 +126,14 @@ std::vector<Candidate> weigh(const std::vector<Candidate>& offers, std::span<con
     all.back().expected_seconds = sum;
   }
   return all;
+}
+
+bool can_run(const Strategy& strategy, const Shape& shape, const Scales& scales) {
+  const auto backend = std::find_if(scales.table.begin(), scales.table.end(),
+                                    [&](const Backend& b) { return b.id == strategy.solver.backend; });
+  return backend != scales.table.end() && refused(*backend, shape, scales).empty() &&
+         backend->why_not(shape, ThreadBudget{strategy.solver.threads}).empty() &&
+         too_inaccurate(shape, strategy, scales).empty();
 }
 
 void rank(std::vector<Candidate>& candidates, double tie) {

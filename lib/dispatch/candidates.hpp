@@ -10,6 +10,9 @@
 
 namespace assur {
 
+// Unknowns from which a GPU is considered; fewer are solved before a copy to it and back has ended.
+inline constexpr std::int32_t kWorthDevice = 100;
+
 // Data for the comparison of candidates.
 struct Scales {
   const PerformanceModel& model;
@@ -37,6 +40,9 @@ struct Load {
 // The offers with up to `most_q` threads within the linear algebra, each with its time for all loads.
 [[nodiscard]] std::vector<Candidate> weigh(const std::vector<Candidate>& offers, std::span<const Load> loads,
                                            std::int32_t most_q, const Scales& scales);
+
+// True if a solver can solve groups of this shape here, is not left out, and was accurate.
+[[nodiscard]] bool can_run(const Strategy& strategy, const Shape& shape, const Scales& scales);
 
 // Sorts: the fastest first, those that cannot run last. Among candidates within the tie, one with the fewest threads is
 // first; then one that computes in double.

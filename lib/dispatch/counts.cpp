@@ -5,24 +5,37 @@
 #include <vector>
 
 #include "backends/lanes_elimination.hpp"
+#include "equations/outputs.hpp"
 #include "evaluation/coefficients.hpp"
+#include "index.hpp"
 
 namespace assur {
 namespace {
 
 constexpr std::int32_t kMostPerRow = 24;  // entries in a row, on average: factors of more are full
 
-// FNV-1a over the numbers of a pattern.
-std::uint64_t hash_of(const Pattern& pattern) {
-  std::uint64_t hash = 0xcbf29ce484222325;
-  const auto take = [&](std::int32_t number) {
-    for (int byte = 0; byte < 4; ++byte) {
-      hash = (hash ^ (static_cast<std::uint32_t>(number) >> (8 * byte) & 0xff)) * 0x100000001b3;
+constexpr std::int64_t kCurved = 60;  // pieces of work for a distance or an angle among the outputs
+
+// FNV-1a over the bytes of numbers; never 0.
+class Hash {
+ public:
+  template <class Number>
+  void take(Number number) {
+    for (std::size_t byte = 0; byte < sizeof number; ++byte) {
+      hash_ = (hash_ ^ (static_cast<std::uint64_t>(number) >> (8 * byte) & 0xff)) * 0x100000001b3;
     }
-  };
-  for (const std::int32_t start : pattern.column_start) take(start);
-  for (const std::int32_t row : pattern.row) take(row);
-  return hash == 0 ? 1 : hash;
+  }
+  [[nodiscard]] std::uint64_t value() const { return hash_ == 0 ? 1 : hash_; }
+
+ private:
+  std::uint64_t hash_ = 0xcbf29ce484222325;
+};
+
+std::uint64_t hash_of(const Pattern& pattern) {
+  Hash hash;
+  for (const std::int32_t start : pattern.column_start) hash.take(start);
+  for (const std::int32_t row : pattern.row) hash.take(row);
+  return hash.value();
 }
 
 // Values whose sums do not cancel, so that structural nonzeros stay nonzero.
@@ -93,6 +106,52 @@ Shape shape_of(const GroupClass& group_class, std::int32_t groups) {
   shape.terms = std::ssize(group_class.operands) + std::ssize(group_class.linear) + std::ssize(group_class.products) +
                 std::ssize(group_class.entry_operands);
   return shape;
+}
+
+std::vector<Shape> class_shapes(const GroupedSystem& s) {
+  const std::vector<ClassSize> sizes = class_sizes(s);
+  std::vector<Shape> shapes;
+  for (std::size_t c = 0; c < s.classes.size(); ++c) shapes.push_back(shape_of(s.classes[c], sizes[c].groups));
+  return shapes;
+}
+
+AroundCounts around_counts(const GroupedSystem& s) {
+  AroundCounts counts;
+  for (const SolvedGroup& g : s.groups) counts.unknowns += s.classes[idx(g.group_class)].n;
+  for (const Output& o : wanted_outputs(*s.system)) {
+    const std::int64_t wanted = o.wanted[0] + o.wanted[1] + o.wanted[2];
+    counts.columns += static_cast<std::int64_t>(o.part_count) * wanted;
+    for (const OutputPart& part : o.parts()) {
+      const bool linear = part.kind == MeasureForms::Kind::form;
+      counts.pieces += linear ? wanted * static_cast<std::int64_t>(s.system->form(part.forms[0]).size()) : kCurved;
+    }
+  }
+  return counts;
+}
+
+Shape shape_of_step(const GroupedSystem& s, const std::vector<Shape>& shapes) {
+  const AroundCounts around = around_counts(s);
+  Shape step{.groups = static_cast<std::int32_t>(s.groups.size())};
+  Hash hash;
+  for (const std::int64_t count : {around.unknowns, around.columns, around.pieces}) hash.take(count);
+  for (const Shape& c : shapes) {
+    hash.take(c.pattern);
+    hash.take(c.terms);
+  }
+  for (const SolvedGroup& g : s.groups) {
+    const Shape& c = shapes[idx(g.group_class)];
+    hash.take(g.group_class);
+    hash.take(g.level);
+    step.n += c.n;
+    step.nnz += c.nnz;
+    step.rhs = std::max(step.rhs, c.rhs);
+    step.fill += c.fill;
+    step.operations += c.operations;
+    step.depth += c.depth;
+    step.terms += c.terms;
+  }
+  step.pattern = hash.value();
+  return step;
 }
 
 }  // namespace assur

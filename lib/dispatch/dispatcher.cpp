@@ -11,8 +11,9 @@
 #include "dispatch/counts.hpp"
 #include "dispatch/throughput.hpp"
 #include "dispatch/together_rules.hpp"
-#include "equations/outputs.hpp"
+#include "equations/system.hpp"
 #include "index.hpp"
+#include "median.hpp"
 #include "numbers.hpp"
 #include "parallel/longest_first.hpp"
 #include "parallel/team.hpp"
@@ -28,7 +29,6 @@ constexpr double kHandedOver = 4;  // doubles handed over for each unknown: its 
 // s for each stored value, if its page exists; measured: 0.23 to 0.39 ns for 393 to 8,640 values, as the time of `assur
 // run` minus that of `assur compare`
 constexpr double kStoring = 0.3e-9;
-constexpr std::int64_t kCurved = 60;  // pieces of work for a distance or an angle among the outputs
 
 // Groups of one class on one level.
 struct Batch {
@@ -102,31 +102,20 @@ Plan::Choice choice_of(std::int32_t group_class, const Shape& shape, std::vector
 // Time of a step besides its packs. If threads run for the levels and outputs are many, the threads share the outputs.
 class Around {
  public:
-  Around(const GroupedSystem& s, const PerformanceModel& model) : model_(model) {
-    for (const SolvedGroup& g : s.groups) unknowns_ += s.classes[idx(g.group_class)].n;
-    for (const Output& o : wanted_outputs(*s.system)) {
-      const std::int64_t wanted = o.wanted[0] + o.wanted[1] + o.wanted[2];
-      columns_ += static_cast<std::int64_t>(o.part_count) * wanted;
-      for (const OutputPart& part : o.parts()) {
-        const bool linear = part.kind == MeasureForms::Kind::form;
-        pieces_ += linear ? wanted * static_cast<std::int64_t>(s.system->form(part.forms[0]).size()) : kCurved;
-      }
-    }
-  }
+  Around(const GroupedSystem& s, const PerformanceModel& model) : model_(model), counts_(around_counts(s)) {}
 
-  [[nodiscard]] std::int64_t columns() const { return columns_; }
-  [[nodiscard]] std::int64_t unknowns() const { return unknowns_; }
-  [[nodiscard]] std::int64_t pieces() const { return pieces_; }
+  [[nodiscard]] const AroundCounts& counts() const { return counts_; }
 
   [[nodiscard]] double seconds(std::int32_t threads) const {
-    const bool shared = threads > 1 && columns_ >= static_cast<std::int64_t>(kWorthSharing);
-    return model_.around(unknowns_, shared ? pieces_ / threads : pieces_).seconds +
+    const auto& [unknowns, columns, pieces] = counts_;
+    const bool shared = threads > 1 && columns >= static_cast<std::int64_t>(kWorthSharing);
+    return model_.around(unknowns, shared ? pieces / threads : pieces).seconds +
            (shared ? kWait * model_.meeting(threads).seconds : 0);
   }
 
  private:
   const PerformanceModel& model_;
-  std::int64_t unknowns_ = 0, columns_ = 0, pieces_ = 0;
+  AroundCounts counts_;
 };
 
 // Number of known coordinates, and of unknowns of earlier levels, that each level reads.
@@ -201,12 +190,29 @@ void share_levels(Plan& plan, const GroupedSystem& s, const std::vector<Batch>& 
   plan.expected_seconds = all_alone;
 }
 
-void expect_packs(Plan& plan, const PerformanceModel& model) {
+// Mechanisms that run side by side fill the lanes of each pack.
+void expect_packs(Plan& plan, Mode mode, const PerformanceModel& model) {
   for (Plan::Choice& c : plan.choices) {
-    const Prediction one = model.pack(c.shape, plan.strategy(c));
+    Strategy strategy = plan.strategy(c);
+    if (mode == Mode::throughput) strategy.solver.lanes = plan.lanes;
+    const Prediction one = model.pack(c.shape, strategy);
     c.expected_seconds = one.seconds;
     c.origin = one.origin;
   }
+}
+
+// Of a step of one mechanism among those that fill the lanes.
+double throughput_seconds(const Plan& plan, const Around& around) {
+  double sum = around.seconds(1);
+  for (const Plan::Choice& c : plan.choices) sum += c.expected_seconds / plan.lanes * c.shape.groups;
+  return sum;
+}
+
+// Of a step with +together.
+double together_seconds(const Plan& plan, const Around& around) {
+  double sum = around.seconds(1);
+  for (const Plan::Choice& c : plan.choices) sum += packs_of(c.shape.groups, c.solver.lanes) * c.expected_seconds;
+  return sum;
 }
 
 using Offers = std::vector<std::vector<Candidate>>;  // by class
@@ -292,12 +298,10 @@ std::optional<Plan> together_plan(const GroupedSystem& s, const std::vector<Shap
   plan.run.together = true;
   plan.lanes = kThroughputLanes;
   plan.level_threads.assign(idx(s.levels), 1);
-  plan.expected_seconds = around.seconds(1);
   for (std::size_t c = 0; c < shapes.size(); ++c) {
     plan.choices.push_back(choice_together(static_cast<std::int32_t>(c), shapes[c], scales.model));
-    const Plan::Choice& choice = plan.choices.back();
-    plan.expected_seconds += packs_of(choice.shape.groups, choice.solver.lanes) * choice.expected_seconds;
   }
+  plan.expected_seconds = together_seconds(plan, around);
   return plan;
 }
 
@@ -311,7 +315,7 @@ bool tuned_for_one_thread(const PerformanceModel& model) {
 std::string threads_reason(const Plan& best, std::int32_t budget, double alone, const PerformanceModel& model) {
   if (budget == 1) return "one thread: the budget has only one";
   if (tuned_for_one_thread(model)) {
-    return "one thread: several threads were not measured; run `assur tune` without `--threads 1`";
+    return "one thread: several threads were not measured; `assur tune` with two threads or more measures them";
   }
   if (best.run.threads == 1) return "one thread: more threads would not help";
   return std::to_string(best.run.threads) + " threads: expected " + fixed(alone / best.expected_seconds, 1) +
@@ -322,14 +326,13 @@ std::string threads_reason(const Plan& best, std::int32_t budget, double alone, 
 Plan best_throughput(const GroupedSystem& s, const std::vector<Shape>& shapes, std::int32_t threads,
                      const Scales& scales) {
   std::optional<Plan> best;
-  const double around = Around(s, scales.model).seconds(1);
+  const Around around(s, scales.model);
   const Offers offered = offers_of(
       shapes, [](std::size_t) { return kMostLanes; }, 1, scales);
   for (std::int32_t lanes = 1; lanes <= kMostLanes; lanes *= 2) {
     Plan plan = throughput_plan(shapes, offered, lanes, threads, scales);
-    expect_packs(plan, scales.model);
-    plan.expected_seconds = around;
-    for (const Plan::Choice& c : plan.choices) plan.expected_seconds += c.expected_seconds / lanes * c.shape.groups;
+    expect_packs(plan, Mode::throughput, scales.model);
+    plan.expected_seconds = throughput_seconds(plan, around);
     plan.reason = std::to_string(lanes) + " mechanisms side by side in each thread";
     if (threads > 1 && tuned_for_one_thread(scales.model)) plan.reason += "; several threads were not measured";
     if (!best || plan.expected_seconds < best->expected_seconds * (1 - scales.tie)) best = std::move(plan);
@@ -351,7 +354,7 @@ Plan best_latency(const GroupedSystem& s, const std::vector<Shape>& shapes, std:
   double alone = 0;
   for (std::int32_t p = 1; p <= budget; p = p < budget ? std::min(2 * p, budget) : p + 1) {
     Plan plan = latency_plan(shapes, classes, offered, p, budget, scales);
-    expect_packs(plan, scales.model);
+    expect_packs(plan, Mode::latency, scales.model);
     share_levels(plan, s, batches, budget, around, scales.model);
     if (p == 1) alone = plan.expected_seconds;
     if (!best || plan.expected_seconds < best->expected_seconds * (1 - scales.tie)) best = std::move(plan);
@@ -368,38 +371,109 @@ Plan best_latency(const GroupedSystem& s, const std::vector<Shape>& shapes, std:
   return std::move(*best);
 }
 
-}  // namespace
+// A measured strategy of this mechanism, as a plan with the times that the model expects of its parts.
+struct MeasuredPlan {
+  Plan plan;
+  double seconds;  // measured
+};
 
-std::vector<Shape> class_shapes(const GroupedSystem& s) {
-  std::vector<std::int32_t> groups(s.classes.size(), 0);
-  for (const SolvedGroup& g : s.groups) ++groups[idx(g.group_class)];
-  std::vector<Shape> shapes;
-  for (std::size_t c = 0; c < s.classes.size(); ++c) shapes.push_back(shape_of(s.classes[c], groups[c]));
-  return shapes;
+std::vector<MeasuredPlan> measured_plans(const GroupedSystem& s, const std::vector<Shape>& shapes, std::int32_t threads,
+                                         const Scales& scales) {
+  std::vector<MeasuredPlan> all;
+  for (const PerformanceModel::MeasuredStep& step : scales.model.steps(shape_of_step(s, shapes))) {
+    const Strategy& strategy = step.strategy;
+    const bool fits =
+        strategy.run.threads * strategy.solver.threads <= threads && strategy.run.formulation == s.formulation;
+    const bool runs =
+        std::all_of(shapes.begin(), shapes.end(), [&](const Shape& shape) { return can_run(strategy, shape, scales); });
+    if (!fits || !runs || (strategy.run.together && !why_not_together(s, strategy).empty())) continue;
+    Plan plan = uniform_plan(strategy, s, shapes);
+    expect(plan, s, Mode::latency, scales.model);
+    all.push_back({std::move(plan), step.time.seconds});
+  }
+  return all;
 }
 
-void expect(Plan& plan, const GroupedSystem& structure, const PerformanceModel& model) {
-  expect_packs(plan, model);
+bool run_alike(const Plan& a, const Plan& b) {
+  return a.run.together == b.run.together && a.level_threads == b.level_threads &&
+         std::equal(a.choices.begin(), a.choices.end(), b.choices.begin(), b.choices.end(),
+                    [](const Plan::Choice& x, const Plan::Choice& y) { return x.solver == y.solver; });
+}
+
+// If whole steps of this mechanism were measured, they decide between their strategies, and show how far off the model
+// is for others.
+void correct_by_whole_steps(Dispatched& choice, const GroupedSystem& s, const std::vector<Shape>& shapes,
+                            std::int32_t threads, const Scales& scales) {
+  std::vector<MeasuredPlan> measured = measured_plans(s, shapes, threads, scales);
+  if (measured.empty()) return;
+  const auto fastest = std::min_element(measured.begin(), measured.end(),
+                                        [](const auto& a, const auto& b) { return a.seconds < b.seconds; });
+  std::vector<double> ratios;
+  for (const MeasuredPlan& m : measured) ratios.push_back(m.seconds / m.plan.expected_seconds);
+  const auto own = std::find_if(measured.begin(), measured.end(),
+                                [&](const MeasuredPlan& m) { return run_alike(m.plan, choice.plan); });
+  const double seconds = own != measured.end() ? own->seconds : choice.modelled_seconds * median(std::move(ratios));
+  choice.is_measured = true;
+  choice.plan.expected_seconds = seconds;
+  if (fastest->seconds >= seconds * (1 - scales.tie)) return;
+  choice.modelled_seconds = fastest->plan.expected_seconds;
+  choice.plan = std::move(fastest->plan);
+  choice.plan.lanes = kThroughputLanes;
+  choice.plan.expected_seconds = fastest->seconds;
+  choice.plan.reason = "whole steps were measured: " + fixed(seconds / fastest->seconds, 1) +
+                       " times as fast as the choice by the times of their parts";
+  for (Plan::Choice& c : choice.plan.choices) c.reason = "whole steps were measured";
+}
+
+}  // namespace
+
+void expect(Plan& plan, const GroupedSystem& structure, Mode mode, const PerformanceModel& model) {
+  expect_packs(plan, mode, model);
+  const Around around(structure, model);
   std::int32_t most_q = 1;
   for (const Plan::Choice& c : plan.choices) most_q = std::max(most_q, c.solver.threads);
-  share_levels(plan, structure, batches_of(structure), plan.run.threads * most_q, Around(structure, model), model);
+  share_levels(plan, structure, batches_of(structure), plan.run.threads * most_q, around, model);
+  if (mode == Mode::throughput) {
+    plan.expected_seconds = throughput_seconds(plan, around);
+  } else if (plan.run.together) {
+    plan.expected_seconds = together_seconds(plan, around);
+  }
 }
 
 BesideGroups beside_groups(const GroupedSystem& structure, const PerformanceModel& model, std::int32_t threads) {
   const Around around(structure, model);
+  const AroundCounts& counts = around.counts();
   return {.around = around.seconds(threads),
-          .storing = kStoring * static_cast<double>(around.columns()),
-          .outputs = around.columns(),
-          .unknowns = around.unknowns(),
-          .pieces = around.pieces()};
+          .storing = kStoring * static_cast<double>(counts.columns),
+          .outputs = counts.columns};
 }
 
-Plan dispatch(const GroupedSystem& s, const Task& task, const Scales& scales) {
-  const std::vector<Shape> shapes = class_shapes(s);
-  Plan plan = task.mode == Mode::throughput ? best_throughput(s, shapes, task.threads, scales)
-                                            : best_latency(s, shapes, task.threads, scales);
-  plan.run.formulation = s.formulation;
+Plan uniform_plan(const Strategy& strategy, const GroupedSystem& s, const std::vector<Shape>& shapes) {
+  Plan plan;
+  plan.run = strategy.run;
+  plan.lanes = strategy.solver.lanes;
+  const std::vector<ClassSize> sizes = class_sizes(s);
+  for (std::size_t c = 0; c < shapes.size(); ++c) {
+    Plan::Choice& choice = plan.choices.emplace_back();
+    choice.group_class = static_cast<std::int32_t>(c);
+    choice.shape = shapes[c];
+    choice.solver = strategy.solver;
+    choice.threads = strategy.run.threads;
+    // Halves W as long as one pack still holds all groups of a level.
+    while (!strategy.run.together && choice.solver.lanes / 2 >= sizes[c].side_by_side) choice.solver.lanes /= 2;
+  }
   return plan;
+}
+
+Dispatched dispatch(const GroupedSystem& s, const Task& task, const Scales& scales) {
+  const std::vector<Shape> shapes = class_shapes(s);
+  Dispatched out;
+  out.plan = task.mode == Mode::throughput ? best_throughput(s, shapes, task.threads, scales)
+                                           : best_latency(s, shapes, task.threads, scales);
+  out.modelled_seconds = out.plan.expected_seconds;
+  if (task.mode == Mode::latency) correct_by_whole_steps(out, s, shapes, task.threads, scales);
+  out.plan.run.formulation = s.formulation;
+  return out;
 }
 
 }  // namespace assur

@@ -12,24 +12,31 @@ struct Task {
   std::int32_t threads = 1;  // largest number of threads
 };
 
-// The plan with the shortest expected time. The caller sets predictor and chunks. The same structure, model and task
-// give the same plan. Throws Error (environment) if no backend can solve a class.
-[[nodiscard]] Plan dispatch(const GroupedSystem& structure, const Task& task, const Scales& scales);
+struct Dispatched {
+  Plan plan;
+  double modelled_seconds = 0;  // of a step, composed of its parts
+  bool is_measured = false;     // true: Plan::expected_seconds follows from whole steps of this mechanism
+};
 
-// Shape of every class with all counts, in the order of the classes.
-[[nodiscard]] std::vector<Shape> class_shapes(const GroupedSystem& structure);
+// The plan with the shortest expected time. Measured times of whole steps count more than those that are composed. The
+// caller sets predictor and chunks. The same structure, model and task give the same plan. Throws Error (environment)
+// if no backend can solve a class.
+[[nodiscard]] Dispatched dispatch(const GroupedSystem& structure, const Task& task, const Scales& scales);
+
+// The plan that solves all classes by one strategy, without lanes that would stay empty. shapes: of the classes
+[[nodiscard]] Plan uniform_plan(const Strategy& strategy, const GroupedSystem& structure,
+                                const std::vector<Shape>& shapes);
 
 // Expected time of a step beyond the solution of its groups, s.
 struct BesideGroups {
   double around = 0;   // laws, predictions and outputs: part of Plan::expected_seconds
   double storing = 0;  // storing a row of outputs; no part of Plan::expected_seconds
   std::int64_t outputs = 0;
-  std::int64_t unknowns = 0, pieces = 0;  // arguments of PerformanceModel::around()
 };
 [[nodiscard]] BesideGroups beside_groups(const GroupedSystem& structure, const PerformanceModel& model,
                                          std::int32_t threads);
 
-// Sets the expected times of a plan, also of a plan with forced strategies.
-void expect(Plan& plan, const GroupedSystem& structure, const PerformanceModel& model);
+// Sets the expected times of a plan whose solvers are given, and the threads of its levels.
+void expect(Plan& plan, const GroupedSystem& structure, Mode mode, const PerformanceModel& model);
 
 }  // namespace assur

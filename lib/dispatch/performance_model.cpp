@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <optional>
 #include <tuple>
@@ -9,8 +8,8 @@
 
 #include "assur/performance.hpp"
 #include "assur/status.hpp"
-#include "dispatch/impossible.hpp"
 #include "dispatch/prior.hpp"
+#include "dispatch/sample_cells.hpp"
 #include "dispatch/time_fit.hpp"
 #include "median.hpp"
 
@@ -26,106 +25,19 @@ constexpr std::array kKernels = {NamedKernel{Kernel::evaluate, "evaluate"}, Name
                                  NamedKernel{Kernel::meeting, "meeting"},   NamedKernel{Kernel::step, "step"},
                                  NamedKernel{Kernel::around, "around"}};
 
-// The parts of a strategy on which the time of a kernel depends. Solvers differ by backend, precision and threads; W is
-// separate, so that another W can stand in.
-struct Variant {
-  std::int32_t backend = 0;  // its number in BackendNumbers
-  bool single = false, refine = false, once = false, separate = false, together = false;
-  Reuse reuse = Reuse::fresh;
-  std::int32_t q = 1, lanes = 1;
-
-  friend auto operator<=>(const Variant&, const Variant&) = default;
-};
-
-// Numbers the backends of the registry and of all samples, from 1 in alphabetical order.
-class BackendNumbers {
- public:
-  BackendNumbers() {
-    for (const Backend& backend : backends()) add(backend.id);
-  }
-  void add(std::string_view name) {
-    if (number_of(name) >= 0) return;
-    names_.emplace(std::lower_bound(names_.begin(), names_.end(), name), name);
-  }
-  // -1: neither has this backend.
-  [[nodiscard]] std::int32_t number_of(std::string_view name) const {
-    const auto found = std::find(names_.begin(), names_.end(), name);
-    return found == names_.end() ? -1 : static_cast<std::int32_t>(found - names_.begin()) + 1;
-  }
-
- private:
-  std::vector<std::string> names_;
-};
-
-Variant variant_of(Kernel kernel, const Strategy& s, const BackendNumbers& names) {
-  if (kernel == Kernel::around) return {};  // independent of the solvers of the groups
-  if (kernel == Kernel::evaluate) return {.lanes = s.solver.lanes};
-  Variant v{.backend = names.number_of(s.solver.backend),
-            .single = s.solver.single,
-            .refine = s.solver.refine,
-            .q = s.solver.threads,
-            .lanes = s.solver.lanes};
-  if (kernel == Kernel::pack) {
-    v.once = s.solver.once;
-    v.separate = s.solver.separate;
-    v.together = s.run.together;
-    v.reuse = s.solver.reuse;
-  }
-  return v;
-}
-
-// The parts of a shape on which the time of a kernel depends.
-struct KernelShape {
-  std::uint64_t pattern;
-  std::int64_t terms;
-  std::int32_t n, nnz, groups, rhs;
-
-  friend auto operator<=>(const KernelShape&, const KernelShape&) = default;
-};
-
-// A solver takes the same time for a bare matrix and for a group with the same pattern.
-KernelShape kernel_shape(Kernel kernel, const Shape& shape) {
-  const bool solver = kernel == Kernel::factor || kernel == Kernel::solve;
-  const bool pack = kernel == Kernel::pack;
-  return {shape.pattern, solver ? 0 : shape.terms, shape.n, shape.nnz, pack ? shape.groups : 1, pack ? shape.rhs : 1};
-}
-
-struct Cell {  // samples of one cell measure the same work
-  Kernel kernel;
-  std::int32_t variant, shape;  // their numbers
-
-  friend bool operator==(const Cell&, const Cell&) = default;
-  friend auto operator<=>(const Cell& a, const Cell& b) { return a.rank() <=> b.rank(); }
-
- private:
-  // Samples are fewer than 2^28.
-  [[nodiscard]] std::uint64_t rank() const {
-    return static_cast<std::uint64_t>(kernel) << 56 | static_cast<std::uint64_t>(variant) << 28 |
-           static_cast<std::uint64_t>(shape);
-  }
-};
-
 // Figures of a cell.
 struct MeasuredCell {
-  Cell cell{};
+  SampleCell cell{};
   double seconds = 0;
   float noise = 0, backward_error = 0;
+  bool is_outlier = false;  // contradicts its neighbours: it is predicted like any other shape
 
   [[nodiscard]] Prediction prediction() const {
     return {seconds, std::exp(std::max<double>(noise, 0.02)), Origin::measured};
   }
-  friend bool operator<(const MeasuredCell& a, const Cell& b) { return a.cell < b; }
+  friend bool operator<(const MeasuredCell& a, const SampleCell& b) { return a.cell < b; }
 };
 
-// The figures of a cell with one of its samples, for fitting.
-struct Gathered {
-  Cell cell;
-  const Sample* example;
-  double seconds = 0, noise = 0, backward_error = 0;
-
-  friend bool operator<(const Gathered& a, const Cell& b) { return a.cell < b; }
-};
-using Cells = std::vector<Gathered>;  // ascending
 using TimeFits = std::map<std::int32_t, TimeFit>;
 
 double positive_log(double x) { return std::log(std::max(x, 1.0)); }
@@ -140,8 +52,6 @@ double beyond(double bytes, double cache) {
 }
 constexpr double kMostOff = 20;    // a machine is at most this many times as fast as the prior assumes
 constexpr double kFewSamples = 5;  // this many samples weigh as much as the prior in the speed of a machine
-constexpr double kMostNoise = 1;   // the median of deviations from the median of positive numbers is not above it
-constexpr double kMostError = std::numeric_limits<float>::max();
 constexpr double kSmallCache = 1 << 20, kLargeCache = 1 << 24;  // bytes; nearby samples correct for the own caches
 
 FitPoint point_of(Kernel kernel, const Shape& shape, const Strategy& strategy) {
@@ -210,7 +120,7 @@ struct PerformanceModel::Impl {
 
     [[nodiscard]] const Shape& shape() const { return shape_; }
     const Prediction& of(Kernel kernel, const Strategy& strategy) {
-      const auto [at, is_new] = known_.try_emplace({kernel, variant_of(kernel, strategy, model_.names)});
+      const auto [at, is_new] = known_.try_emplace({kernel, model_.numbers.variant_of(kernel, strategy)});
       if (is_new) at->second = model_.predict(kernel, shape_, strategy);
       return at->second;
     }
@@ -224,7 +134,7 @@ struct PerformanceModel::Impl {
    private:
     const Impl& model_;
     const Shape& shape_;
-    std::map<std::pair<Kernel, Variant>, Prediction> known_;
+    std::map<std::pair<Kernel, SolverVariant>, Prediction> known_;
     std::map<std::int32_t, Prediction> rests_;
   };
 
@@ -233,7 +143,9 @@ struct PerformanceModel::Impl {
    public:
     explicit KernelsOfShapes(const Impl& model) : model_(model) {}
 
-    Kernels& of(const Gathered& g) { return shapes_.try_emplace(g.cell.shape, model_, g.example->shape).first->second; }
+    Kernels& of(const GatheredCell& g) {
+      return shapes_.try_emplace(g.cell.shape, model_, g.example->shape).first->second;
+    }
 
    private:
     const Impl& model_;
@@ -241,9 +153,13 @@ struct PerformanceModel::Impl {
   };
 
   Impl(const std::vector<Sample>& samples, std::string from) : source(std::move(from)), count(samples.size()) {
-    const Cells cells = gather(samples);
+    GatheredSamples gathered = gather(samples);
+    numbers = std::move(gathered.numbers);
+    threads = std::move(gathered.threads);
+    steps = std::move(gathered.steps);
+    const GatheredCells& cells = gathered.cells;
     known.reserve(cells.size());
-    for (const Gathered& g : cells) {
+    for (const GatheredCell& g : cells) {
       known.push_back({g.cell, g.seconds, static_cast<float>(g.noise), static_cast<float>(g.backward_error)});
     }
     for (const Kernel kernel : {Kernel::evaluate, Kernel::factor, Kernel::solve}) fit(kernel, cells);
@@ -253,108 +169,35 @@ struct PerformanceModel::Impl {
     fit_around(cells);
   }
 
-  // Numbers variants and shapes in their own order, so that the order of samples does not matter.
-  std::vector<Cell> cells_of(const std::vector<Sample>& samples) {
-    for (const Sample& s : samples) names.add(s.strategy.solver.backend);
-    std::vector<std::pair<std::map<Variant, std::int32_t>::iterator, std::map<KernelShape, std::int32_t>::iterator>> at;
-    at.reserve(samples.size());
-    std::map<KernelShape, std::int32_t> numbered;
-    for (const Sample& s : samples) {
-      const Variant variant = variant_of(s.kernel, s.strategy, names);
-      const KernelShape shape = kernel_shape(s.kernel, s.shape);
-      // Most samples share one or both of them with the sample before.
-      const bool same_variant = !at.empty() && at.back().first->first == variant;
-      const bool same_shape = !at.empty() && at.back().second->first == shape;
-      at.emplace_back(same_variant ? at.back().first : numbers.try_emplace(variant, 0).first,
-                      same_shape ? at.back().second : numbered.try_emplace(shape, 0).first);
-    }
-    for (std::int32_t next = 0; auto& [variant, number] : numbers) number = next++;
-    for (auto& [shape, number] : numbered) {
-      number = static_cast<std::int32_t>(shapes.size());
-      shapes.push_back(shape);
-    }
-    std::vector<Cell> cells;
-    cells.reserve(samples.size());
-    for (std::size_t i = 0; i < samples.size(); ++i) {
-      cells.push_back({samples[i].kernel, at[i].first->second, at[i].second->second});
-    }
-    return cells;
-  }
-
-  // Takes the median of repeated measurements.
-  Cells gather(const std::vector<Sample>& samples) {
-    std::vector<std::pair<Cell, const Sample*>> all;
-    all.reserve(samples.size());
-    std::map<std::int32_t, std::map<Cell, std::vector<double>>> crowds;  // p: packs solved while p threads work
-    const std::vector<Cell> cells = cells_of(samples);
-    for (std::size_t i = 0; i < samples.size(); ++i) {
-      const Sample& s = samples[i];
-      if (!why_impossible(s).empty()) continue;
-      const Cell& cell = cells[i];
-      if (s.kernel == Kernel::meeting) {
-        const double together = std::max(s.seconds - kAloneBeforeMeeting, 0.0);
-        (s.shape.n == 0 ? meetings : handovers)[s.strategy.run.threads].push_back(together / std::max(s.shape.n, 1));
-      } else if (s.kernel == Kernel::pack && s.strategy.run.threads > 1) {
-        crowds[s.strategy.run.threads][cell].push_back(s.seconds);
-      } else if (s.kernel != Kernel::step) {
-        all.emplace_back(cell, &s);
-      }
-    }
-    std::sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-    Cells gathered;
-    gathered.reserve(all.size());
-    std::vector<double> seconds, noise;
-    for (auto begin = all.begin(), end = begin; begin != all.end(); begin = end) {
-      seconds.clear();
-      noise.clear();
-      double error = 0;
-      for (; end != all.end() && end->first == begin->first; ++end) {
-        const Sample& s = *end->second;
-        seconds.push_back(s.seconds);
-        noise.push_back(std::min(s.spread / s.seconds, kMostNoise));
-        if (s.backward_error > error) error = std::min(s.backward_error, kMostError);
-      }
-      const bool once = seconds.size() == 1;
-      gathered.push_back(
-          {begin->first, begin->second, once ? seconds[0] : median(seconds), once ? noise[0] : median(noise), error});
-    }
-    for (const auto& [p, crowd] : crowds) {
-      std::map<std::int32_t, std::vector<double>> ratios;  // n
-      for (const auto& [cell, seconds_of] : crowd) {
-        const auto alone = std::lower_bound(gathered.begin(), gathered.end(), cell);
-        if (alone == gathered.end() || alone->cell != cell) continue;
-        ratios[shape_at(cell).n].push_back(
-            std::clamp(median(seconds_of) / alone->seconds, 1.0, static_cast<double>(p)));
-      }
-      // Other programs take cores for seconds at a time, which the median ignores.
-      for (const auto& [n, of] : ratios) contentions[p][n] = median(of);
-    }
-    return gathered;
-  }
-
-  // Fits one sum for each variant of a kernel; point(g): the place of a measurement.
+  // Fits one sum for each variant of a kernel, and marks its outliers; point(g): the place of a measurement.
   template <class Point>
-  static TimeFits fits_of(Kernel kernel, const Cells& cells, const Point& point) {
+  TimeFits fits_of(Kernel kernel, const GatheredCells& cells, const Point& point) {
     TimeFits fits;
     std::vector<TimeFit::Measured> measured;
-    const Cell first{kernel, 0, 0};
+    std::vector<SampleCell> of_points;
+    const SampleCell first{kernel, 0, 0};
     auto g = std::lower_bound(cells.begin(), cells.end(), first);
     while (g != cells.end() && g->cell.kernel == kernel) {
       const std::int32_t variant = g->cell.variant;
       measured.clear();
+      of_points.clear();
       for (; g != cells.end() && g->cell.kernel == kernel && g->cell.variant == variant; ++g) {
         measured.push_back({point(*g), g->seconds, g->noise});
+        of_points.push_back(g->cell);
       }
-      fits.emplace_hint(fits.end(), variant, TimeFit(measured));
+      const TimeFit& fit = fits.emplace_hint(fits.end(), variant, TimeFit(measured))->second;
+      for (const std::size_t i : fit.outliers()) {
+        std::lower_bound(known.begin(), known.end(), of_points[i])->is_outlier = true;
+      }
     }
     return fits;
   }
 
-  void fit(Kernel kernel, const Cells& cells) {
+  void fit(Kernel kernel, const GatheredCells& cells) {
     std::vector<double> ratios;
     ratios.reserve(cells.size());
     const auto k = static_cast<std::size_t>(kernel);
-    fit_of[k] = fits_of(kernel, cells, [&](const Gathered& g) {
+    fit_of[k] = fits_of(kernel, cells, [&](const GatheredCell& g) {
       const Sample& s = *g.example;
       ratios.push_back(g.seconds / prior_seconds(kernel, s.shape, s.strategy));
       return point_of(kernel, s.shape, s.strategy);
@@ -367,15 +210,15 @@ struct PerformanceModel::Impl {
 
   // Fits the time of a pack besides its kernels, by W. It does not depend on the solver, so the fastest solver shows it
   // best.
-  void fit_rest(const Cells& cells, KernelsOfShapes& kernels) {
+  void fit_rest(const GatheredCells& cells, KernelsOfShapes& kernels) {
     using CellKey = std::tuple<std::int32_t, std::uint64_t, std::int64_t, std::int32_t>;
-    std::map<CellKey, const Gathered*> quickest;
-    for (const Gathered& g : cells) {
+    std::map<CellKey, const GatheredCell*> quickest;
+    for (const GatheredCell& g : cells) {
       if (g.cell.kernel != Kernel::pack) continue;
       const Strategy& s = g.example->strategy;
       if (in_registers(g.example->shape, s) || s.solver.once || s.solver.reuse != Reuse::fresh) continue;
-      const auto& [pattern, terms, n, nnz, groups, rhs] = shape_at(g.cell);
-      const Gathered*& best = quickest[{s.solver.lanes, pattern, terms, groups}];
+      const auto& [pattern, terms, n, nnz, groups, rhs] = numbers.shape_at(g.cell);
+      const GatheredCell*& best = quickest[{s.solver.lanes, pattern, terms, groups}];
       if (best == nullptr || g.seconds < best->seconds) best = &g;
     }
     std::map<std::int32_t, std::vector<TimeFit::Measured>> points;
@@ -390,8 +233,8 @@ struct PerformanceModel::Impl {
   }
 
   // Fits the time of whole packs beyond the sum of their parts.
-  void fit_packs(const Cells& cells, KernelsOfShapes& kernels) {
-    packs = fits_of(Kernel::pack, cells, [&](const Gathered& g) {
+  void fit_packs(const GatheredCells& cells, KernelsOfShapes& kernels) {
+    packs = fits_of(Kernel::pack, cells, [&](const GatheredCell& g) {
       const auto& [shape, strategy] = std::tie(g.example->shape, g.example->strategy);
       return pack_point(shape, strategy, composed(kernels.of(g), strategy).seconds);
     });
@@ -399,11 +242,11 @@ struct PerformanceModel::Impl {
 
   // Fits the ratio to the prior, because mechanisms are too few to separate its terms. Differences of times scatter
   // more than times do; nearby measurements are still better than the fit.
-  void fit_around(const Cells& cells) {
+  void fit_around(const GatheredCells& cells) {
     std::vector<TimeFit::Measured> points;
-    for (const Gathered& g : cells) {
+    for (const GatheredCell& g : cells) {
       if (g.cell.kernel != Kernel::around) continue;
-      const KernelShape& shape = shape_at(g.cell);
+      const KernelShape& shape = numbers.shape_at(g.cell);
       points.push_back({around_point(shape.n, shape.terms), g.seconds, 0});
     }
     if (!points.empty()) around.emplace(points);
@@ -459,29 +302,19 @@ struct PerformanceModel::Impl {
   // Speed of this machine relative to that of the prior.
   [[nodiscard]] double speed_of_all() const { return speed[static_cast<std::size_t>(Kernel::evaluate)]; }
 
-  [[nodiscard]] const KernelShape& shape_at(const Cell& cell) const {
-    return shapes[static_cast<std::size_t>(cell.shape)];
-  }
-
-  // -1: no sample has this variant.
-  [[nodiscard]] std::int32_t number_of(const Variant& variant) const {
-    const auto found = numbers.find(variant);
-    return found == numbers.end() ? -1 : found->second;
-  }
-
   [[nodiscard]] const MeasuredCell* exactly(Kernel kernel, const Shape& shape, std::int32_t variant) const {
     if (shape.pattern == 0 || variant < 0) return nullptr;
     const KernelShape wanted = kernel_shape(kernel, shape);
-    const auto at = std::lower_bound(shapes.begin(), shapes.end(), wanted);
-    if (at == shapes.end() || *at != wanted) return nullptr;
-    const Cell cell{kernel, variant, static_cast<std::int32_t>(at - shapes.begin())};
+    const auto at = std::lower_bound(numbers.shapes.begin(), numbers.shapes.end(), wanted);
+    if (at == numbers.shapes.end() || *at != wanted) return nullptr;
+    const SampleCell cell{kernel, variant, static_cast<std::int32_t>(at - numbers.shapes.begin())};
     const auto found = std::lower_bound(known.begin(), known.end(), cell);
-    return found == known.end() || found->cell != cell ? nullptr : &*found;
+    return found == known.end() || found->cell != cell || found->is_outlier ? nullptr : &*found;
   }
 
   [[nodiscard]] Prediction predict(Kernel kernel, const Shape& shape, const Strategy& strategy) const {
-    const Variant wanted = variant_of(kernel, strategy, names);
-    const std::int32_t variant = number_of(wanted);
+    const SolverVariant wanted = numbers.variant_of(kernel, strategy);
+    const std::int32_t variant = numbers.number_of(wanted);
     if (const MeasuredCell* k = exactly(kernel, shape, variant)) return k->prediction();
     const auto& fits = fit_of[static_cast<std::size_t>(kernel)];
     const FitPoint point = point_of(kernel, shape, strategy);
@@ -494,7 +327,7 @@ struct PerformanceModel::Impl {
     if (const auto found = fits.find(variant); found != fits.end()) {
       return plausible(found->second.at(point, otherwise));
     }
-    if (const auto next = stand_in(fits, wanted); next != numbers.end()) {
+    if (const auto next = stand_in(fits, wanted); next != numbers.variants.end()) {
       Strategy other = strategy;
       other.solver.lanes = next->first.lanes;
       other.solver.threads = next->first.q;
@@ -509,23 +342,23 @@ struct PerformanceModel::Impl {
   }
 
   // The nearest variant of the same solver, with another W or other threads, that has a fit; end: there is none.
-  [[nodiscard]] std::map<Variant, std::int32_t>::const_iterator stand_in(const TimeFits& fits,
-                                                                         const Variant& wanted) const {
-    auto best = numbers.end();
+  [[nodiscard]] std::map<SolverVariant, std::int32_t>::const_iterator stand_in(const TimeFits& fits,
+                                                                               const SolverVariant& wanted) const {
+    auto best = numbers.variants.end();
     double least = 0;
-    Variant first = wanted;  // first variant of this solver; its variants are consecutive
+    SolverVariant first = wanted;  // first variant of this solver; its variants are consecutive
     first.q = first.lanes = 0;
-    const auto same_solver = [&](const Variant& v) {
-      const auto solver = [](const Variant& of) {
+    const auto same_solver = [&](const SolverVariant& v) {
+      const auto solver = [](const SolverVariant& of) {
         return std::tie(of.backend, of.single, of.refine, of.once, of.separate, of.together, of.reuse);
       };
       return solver(v) == solver(wanted);
     };
-    for (auto at = numbers.lower_bound(first); at != numbers.end() && same_solver(at->first); ++at) {
+    for (auto at = numbers.variants.lower_bound(first); at != numbers.variants.end() && same_solver(at->first); ++at) {
       if (!fits.contains(at->second)) continue;
       const double distance = std::abs(std::log(static_cast<double>(at->first.lanes) / wanted.lanes)) +
                               std::abs(std::log(static_cast<double>(at->first.q) / wanted.q));
-      if (best != numbers.end() && distance >= least) continue;
+      if (best != numbers.variants.end() && distance >= least) continue;
       best = at;
       least = distance;
     }
@@ -534,8 +367,8 @@ struct PerformanceModel::Impl {
 
   [[nodiscard]] Prediction pack(Kernels& kernels, const Strategy& strategy) const {
     const Shape& shape = kernels.shape();
-    Variant variant = variant_of(Kernel::pack, strategy, names);
-    const std::int32_t number = number_of(variant);
+    SolverVariant variant = numbers.variant_of(Kernel::pack, strategy);
+    const std::int32_t number = numbers.number_of(variant);
     if (const MeasuredCell* k = exactly(Kernel::pack, shape, number)) return k->prediction();
     const Prediction sum = composed(kernels, strategy);
     auto found = packs.find(number);
@@ -543,7 +376,7 @@ struct PerformanceModel::Impl {
       const auto next = stand_in(packs, variant);
       variant.once = variant.separate = variant.together = false;
       variant.reuse = Reuse::fresh;
-      found = packs.find(next == numbers.end() ? number_of(variant) : next->second);
+      found = packs.find(next == numbers.variants.end() ? numbers.number_of(variant) : next->second);
     }
     if (found == packs.end()) return sum;
     Prediction whole = found->second.at(pack_point(shape, strategy, sum.seconds), sum.seconds);
@@ -554,18 +387,15 @@ struct PerformanceModel::Impl {
 
   std::string source;
   std::size_t count = 0;
-  BackendNumbers names;
-  std::map<Variant, std::int32_t> numbers;
-  std::vector<KernelShape> shapes;       // ascending
+  CellNumbers numbers;
   std::vector<MeasuredCell> known;       // ascending
   std::array<TimeFits, 3> fit_of;        // evaluate, factor, solve; by variant
   std::array<double, 3> speed{1, 1, 1};  // measured over prior time of each of these kernels
   TimeFits rest;                         // W
   TimeFits packs;                        // by variant
   std::optional<TimeFit> around;
-  std::map<std::int32_t, std::vector<double>> meetings;                // p
-  std::map<std::int32_t, std::vector<double>> handovers;               // p; s for each double
-  std::map<std::int32_t, std::map<std::int32_t, double>> contentions;  // p; n
+  ThreadCosts threads;
+  std::map<KernelShape, std::vector<MeasuredStep>> steps;
 };
 
 PerformanceModel::PerformanceModel() : PerformanceModel(std::vector<Sample>{}, "nothing was measured") {}
@@ -614,20 +444,21 @@ Prediction PerformanceModel::meeting(std::int32_t p, double doubles) const {
     return at == known.end() ? std::prev(at) : at;
   };
   Prediction sum{prior_meeting_seconds(p), 2, Origin::prior};
-  if (!impl_->meetings.empty()) {
-    const auto& [threads, seconds] = *nearest(impl_->meetings);
+  if (!impl_->threads.meetings.empty()) {
+    const auto& [threads, seconds] = *nearest(impl_->threads.meetings);
     sum = {median(seconds) * p / threads, threads == p ? 1.2 : 1.5,
            threads == p ? Origin::measured : Origin::extrapolated};
   }
   // A measurement with many doubles includes the meeting, which is a small part of its time.
-  const double each = impl_->handovers.empty() ? kPriorHandover : median(nearest(impl_->handovers)->second);
+  const double each =
+      impl_->threads.handovers.empty() ? kPriorHandover : median(nearest(impl_->threads.handovers)->second);
   sum.seconds += each * doubles;
   return sum;
 }
 
 // Numbers of threads and sizes of groups outside the measured range are replaced by the nearest measured ones.
 double PerformanceModel::contention(std::int32_t p, std::int32_t n) const {
-  const auto& known = impl_->contentions;
+  const auto& known = impl_->threads.contentions;
   if (p < 2 || known.empty()) return 1;
   const auto of = known.lower_bound(p);
   const auto& sizes = of == known.end() ? std::prev(of)->second : of->second;
@@ -645,15 +476,20 @@ Prediction PerformanceModel::around(std::int64_t unknowns, std::int64_t pieces) 
   return {prior_around_seconds(unknowns, pieces) * impl_->speed_of_all(), 1.5, Origin::prior};
 }
 
+std::vector<PerformanceModel::MeasuredStep> PerformanceModel::steps(const Shape& shape) const {
+  const auto found = impl_->steps.find(kernel_shape(Kernel::step, shape));
+  return found == impl_->steps.end() || shape.pattern == 0 ? std::vector<MeasuredStep>() : found->second;
+}
+
 double PerformanceModel::backward_error(const Shape& shape, const Strategy& strategy) const {
-  const std::int32_t wanted = impl_->number_of(variant_of(Kernel::solve, strategy, impl_->names));
+  const std::int32_t wanted = impl_->numbers.number_of(impl_->numbers.variant_of(Kernel::solve, strategy));
   if (wanted < 0) return 0;
   double worst = 0;
   const auto& known = impl_->known;
-  const Cell first{Kernel::solve, wanted, 0};
+  const SampleCell first{Kernel::solve, wanted, 0};
   for (auto k = std::lower_bound(known.begin(), known.end(), first); k != known.end(); ++k) {
     if (k->cell.kernel != first.kernel || k->cell.variant != wanted) break;
-    const double n = impl_->shape_at(k->cell).n;
+    const double n = impl_->numbers.shape_at(k->cell).n;
     if (n <= 2.0 * shape.n && 2.0 * n >= shape.n) worst = std::max<double>(worst, k->backward_error);
   }
   return worst;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "dispatch/together_rules.hpp"
+#include "equations/system.hpp"
 
 namespace assur {
 namespace {
@@ -37,6 +38,14 @@ void each_solver(const StrategySpace& space, const Backend& backend, const Shape
 std::vector<std::int32_t> powers_of_two(std::int32_t most) {
   std::vector<std::int32_t> all = {1};
   while (all.back() <= most / 2) all.push_back(2 * all.back());
+  return all;
+}
+
+std::vector<Formulation> formulations_of(const GroupedSystem& irreducible) {
+  std::vector<Formulation> all = {Formulation::irreducible};
+  const bool eliminates = irreducible.eliminated > 0;
+  if (eliminates || !irreducible.system->groups.empty()) all.push_back(Formulation::groups);
+  if (eliminates || irreducible.groups.size() > 1) all.push_back(Formulation::global);
   return all;
 }
 

@@ -10,6 +10,7 @@
 
 #include "assur/backend.hpp"
 #include "assur/strategy.hpp"
+#include "structure/grouped_system.hpp"
 
 namespace assur {
 
@@ -31,6 +32,10 @@ struct StrategySpace {
   std::vector<Predictor> predictors = {{}};
   bool together = false;  // each strategy also with +together, if its settings allow it
 };
+
+// The formulations that differ for a scene, the irreducible one first. Without declared groups, `groups` differs if
+// linear equations were eliminated.
+[[nodiscard]] std::vector<Formulation> formulations_of(const GroupedSystem& irreducible);
 
 // Selection of strategies.
 struct StrategyFilter {

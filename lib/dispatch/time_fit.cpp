@@ -20,6 +20,8 @@ constexpr double kFarAway = 0.7;         // = log 2
 constexpr double kEnough = 8;            // number of points at which the trust in the fit doubles
 constexpr float kNowhere = 1e9F;         // beyond the reach of any neighbour
 constexpr int kReweightings = 6;         // a choice
+constexpr double kWild = 1.1;            // = log 3: measurements of the same thing do not differ by more
+constexpr double kSurrounded = 0.5;      // sum of the weights of neighbours that show what a point should be
 
 using Terms = std::array<double, kTerms>;
 using Gram = Eigen::Matrix<double, kTerms, kTerms>;
@@ -86,6 +88,30 @@ TimeFit::TimeFit(const std::vector<Measured>& points) : points_(points.size()) {
     block.log_ratio[at] = static_cast<float>(std::log(p.seconds / fitted(p.at)));
     block.weight[at] = static_cast<float>(1 / (noise * noise));
   }
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (contradicts_neighbours(i)) outliers_.push_back(i);
+  }
+  for (const std::size_t i : outliers_) deviations_[i / kBlock].weight[i % kBlock] = 0;
+}
+
+// All neighbours count alike: even noisy ones are much closer to each other than a factor of three.
+bool TimeFit::contradicts_neighbours(std::size_t i) const {
+  const Deviations& own = deviations_[i / kBlock];
+  const double deviation = own.log_ratio[i % kBlock];
+  if (std::abs(deviation) <= kWild) return false;
+  double sum = 0, mean = 0;
+  for (std::size_t k = 0; k < points_; ++k) {
+    if (k == i) continue;
+    const Deviations& other = deviations_[k / kBlock];
+    double distance = 0;
+    for (std::size_t axis = 0; axis < kAxes; ++axis) {
+      distance += std::pow(other.place[axis][k % kBlock] - own.place[axis][i % kBlock], 2);
+    }
+    const double near = std::exp(distance / (-2 * kBandwidth * kBandwidth));
+    sum += near;
+    mean += near * other.log_ratio[k % kBlock];
+  }
+  return sum >= kSurrounded && std::abs(deviation - mean / sum) > kWild;
 }
 
 // Deviations are relative to the larger of measured and fitted time, so that none exceeds 1 in either direction.

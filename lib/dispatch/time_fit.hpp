@@ -37,6 +37,10 @@ class TimeFit {
   // or if they are few. 0: nothing is expected.
   [[nodiscard]] Prediction at(const FitPoint& point, double otherwise = 0) const;
 
+  // Numbers of the points that contradict their neighbours so much that they must be measurements of something else, or
+  // disturbed. at() ignores them.
+  [[nodiscard]] const std::vector<std::size_t>& outliers() const { return outliers_; }
+
  private:
   // Deviations of the points from the fit, kBlock points side by side: before its first step, a program needs hundreds
   // of predictions among thousands of points. Floats are exact enough for times.
@@ -47,11 +51,13 @@ class TimeFit {
     std::array<float, kBlock> weight;     // 0: no point
   };
   [[nodiscard]] double fitted(const FitPoint& point) const;
+  [[nodiscard]] bool contradicts_neighbours(std::size_t i) const;
   void fit(const std::vector<Measured>& points);
 
   std::array<double, kTerms> coefficients_{};
   std::size_t points_ = 0;
   std::vector<Deviations> deviations_;
+  std::vector<std::size_t> outliers_;
 };
 
 }  // namespace assur

@@ -7,6 +7,7 @@
 #include "dispatch/candidates.hpp"
 #include "dispatch/counts.hpp"
 #include "dispatch/dispatcher.hpp"
+#include "dispatch/strategies.hpp"
 #include "dispatch/throughput.hpp"
 #include "dispatch/together_rules.hpp"
 #include "executors/step_code.hpp"
@@ -70,24 +71,6 @@ void check_controlled(const Scene& scene, const std::vector<std::string>& contro
                   "'" + name + "' cannot be controlled, because it is not a driver; the drivers are: " + known);
     }
   }
-}
-
-struct ClassSize {
-  std::int32_t groups = 0;
-  std::int32_t side_by_side = 0;  // largest number of groups on one level
-};
-
-std::vector<ClassSize> class_sizes(const GroupedSystem& s) {
-  std::vector<ClassSize> sizes(s.classes.size());
-  std::vector<std::int32_t> on_level(s.classes.size(), 0), level(s.classes.size(), -1);
-  for (const SolvedGroup& g : s.groups) {  // in the order of levels
-    const auto c = static_cast<std::size_t>(g.group_class);
-    on_level[c] = level[c] == g.level ? on_level[c] + 1 : 1;
-    level[c] = g.level;
-    ++sizes[c].groups;
-    sizes[c].side_by_side = std::max(sizes[c].side_by_side, on_level[c]);
-  }
-  return sizes;
 }
 
 std::shared_ptr<const PerformanceModel> model_of(const PrepareOptions& options) {
@@ -163,43 +146,40 @@ Shape size_of(const GroupedSystem& s, std::int32_t group_class, std::int32_t gro
   return {.n = c.n, .nnz = s.pattern(group_class).nnz(), .groups = groups, .rhs = 1 + c.derivatives};
 }
 
+std::vector<Shape> sizes_of(const GroupedSystem& s) {
+  const std::vector<ClassSize> sizes = class_sizes(s);
+  std::vector<Shape> shapes;
+  for (std::size_t c = 0; c < sizes.size(); ++c) {
+    shapes.push_back(size_of(s, static_cast<std::int32_t>(c), sizes[c].groups));
+  }
+  return shapes;
+}
+
 // The plan for a strategy text, which holds for every class.
 Plan forced_plan(const GroupedSystem& s, const Strategy& wanted, const PrepareOptions& options) {
-  Plan plan;
-  plan.run = wanted.run;
-  plan.lanes = wanted.solver.lanes;
-  plan.reason = "forced";
-  const std::vector<ClassSize> sizes = class_sizes(s);
+  // Shares of unequal packs need the expected times, for which operations are counted.
+  const bool is_expected = wanted.run.threads > 1 || options.model;
   check_names(options.without, backends());
   if (wanted.run.together) check_together(s, wanted);
-  for (std::size_t c = 0; c < s.classes.size(); ++c) {
-    Plan::Choice choice;
-    choice.group_class = static_cast<std::int32_t>(c);
-    // Only shares of unequal packs need the counts of operations.
-    choice.shape = wanted.run.threads > 1 ? shape_of(s.classes[c], sizes[c].groups)
-                                          : size_of(s, choice.group_class, sizes[c].groups);
-    choice.solver = wanted.solver;
-    choice.threads = wanted.run.threads;
+  Plan plan = uniform_plan(wanted, s, is_expected ? class_shapes(s) : sizes_of(s));
+  plan.reason = "forced";
+  for (Plan::Choice& choice : plan.choices) {
     choice.reason = "forced";
-    // Halves W as long as one pack still holds all groups of a level: further lanes would stay empty.
-    while (!wanted.run.together && choice.solver.lanes / 2 >= sizes[c].side_by_side) choice.solver.lanes /= 2;
     check_backend(find_backend(backends(), choice.solver.backend), choice, options.without);
-    plan.choices.push_back(std::move(choice));
   }
   check_budget(wanted, options);
-  if (wanted.run.threads > 1) expect(plan, s, *model_of(options));
+  if (is_expected) expect(plan, s, options.mode, *model_of(options));
   return plan;
 }
 
-// Tries other formulations if they are cheap to try and may save time.
-std::vector<Formulation> formulations(const Scene& scene, const GroupedSystem& irreducible) {
-  constexpr std::int64_t kMostWeighed = 2000;  // unknowns; a choice: analysing a larger scene twice takes long
-  std::vector<Formulation> others;
+// The other formulations, if they are cheap to try.
+std::vector<Formulation> others_to_try(const GroupedSystem& irreducible) {
+  constexpr std::int64_t kMostWeighed = 2000;  // unknowns; a choice: analysing a larger scene again takes long
   std::int64_t unknowns = 0;
   for (const SolvedGroup& g : irreducible.groups) unknowns += std::ssize(g.unknowns);
-  if (unknowns > kMostWeighed || irreducible.groups.size() < 2) return others;
-  if (!scene.groups().empty()) others.push_back(Formulation::groups);
-  others.push_back(Formulation::global);
+  std::vector<Formulation> others;
+  if (unknowns <= kMostWeighed) others = formulations_of(irreducible);
+  std::erase(others, Formulation::irreducible);
   return others;
 }
 
@@ -213,22 +193,31 @@ Choice automatic_choice(const Scene& scene, const PrepareOptions& options, const
   check_names(options.without, backends());
   const Scales scales{*model, backends(), options.without};
   const Task task{options.mode, threads_at_most(options)};
-  const auto choose = [&](Formulation formulation) {
-    Choice choice;
-    choice.structure = structure_for(scene, options, formulation, {}, start);
-    choice.plan = dispatch(*choice.structure, task, scales);
-    return choice;
+  struct InOneFormulation {
+    std::shared_ptr<const GroupedSystem> structure;
+    Dispatched choice;
   };
-  Choice best = choose(Formulation::irreducible);
-  for (const Formulation formulation : formulations(scene, *best.structure)) {
+  const auto choose = [&](Formulation formulation) {
+    auto structure = structure_for(scene, options, formulation, {}, start);
+    Dispatched choice = dispatch(*structure, task, scales);
+    return InOneFormulation{std::move(structure), std::move(choice)};
+  };
+  // Measured times of whole steps are compared with each other only.
+  const auto is_faster = [&](const Dispatched& a, const Dispatched& b) {
+    const bool both = a.is_measured && b.is_measured;
+    const double of_a = both ? a.plan.expected_seconds : a.modelled_seconds;
+    return of_a < (both ? b.plan.expected_seconds : b.modelled_seconds) * (1 - scales.tie);
+  };
+  InOneFormulation best = choose(Formulation::irreducible);
+  for (const Formulation formulation : others_to_try(*best.structure)) {
     try {
-      Choice other = choose(formulation);
-      if (other.plan.expected_seconds < best.plan.expected_seconds * (1 - scales.tie)) best = std::move(other);
+      InOneFormulation other = choose(formulation);
+      if (is_faster(other.choice, best.choice)) best = std::move(other);
     } catch (const Error&) {
       // The scene cannot be prepared in this formulation, or its declared groups are invalid: keep the first one.
     }
   }
-  return best;
+  return {std::move(best.structure), std::move(best.choice.plan)};
 }
 
 // The plan of `like`, if the scene has the same structure.

@@ -19,6 +19,19 @@ Shape GroupedSystem::shape(const SolvedGroup& group) const {
 
 const Pattern& GroupedSystem::pattern(std::int32_t group_class) const { return classes[idx(group_class)].pattern; }
 
+std::vector<ClassSize> class_sizes(const GroupedSystem& s) {
+  std::vector<ClassSize> sizes(s.classes.size());
+  std::vector<std::int32_t> on_level(s.classes.size(), 0), level(s.classes.size(), -1);
+  for (const SolvedGroup& g : s.groups) {  // in the order of levels
+    const std::size_t c = idx(g.group_class);
+    on_level[c] = level[c] == g.level ? on_level[c] + 1 : 1;
+    level[c] = g.level;
+    ++sizes[c].groups;
+    sizes[c].side_by_side = std::max(sizes[c].side_by_side, on_level[c]);
+  }
+  return sizes;
+}
+
 Structure::Structure(std::shared_ptr<const GroupedSystem> parts) : parts_(std::move(parts)) {}
 
 Formulation Structure::formulation() const { return parts_->formulation; }

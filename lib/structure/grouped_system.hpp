@@ -170,6 +170,14 @@ struct GroupedSystem : StartFindings {
   [[nodiscard]] const Pattern& pattern(std::int32_t group_class) const;  // Structure::pattern()
 };
 
+// Number of groups of a class.
+struct ClassSize {
+  std::int32_t groups = 0;
+  std::int32_t side_by_side = 0;  // largest number on one level
+};
+// Of all classes.
+[[nodiscard]] std::vector<ClassSize> class_sizes(const GroupedSystem& structure);
+
 // How a grouped system has the groups at rest that its outputs need: no driver moves them, or their drivers have
 // constant laws.
 enum class AtRest : std::uint8_t {

@@ -76,6 +76,33 @@ TEST(Plan, ShowsThePartsOfAStep) {
       << text;
 }
 
+// A forced strategy costs what auto expected of the same strategy.
+TEST(Plan, ShowsTheExpectedTimesOfAStrategy) {
+  for (const char* scene : {"stewart:platforms=3", "four_bar", "four_bar:100", "rings:legs=2,n=22"}) {
+    for (const char* mode : {"latency", "throughput"}) {
+      const auto plan_of = [&](const std::string& strategy) {
+        const Outcome o =
+            run_command({"plan", scene, "--mode", mode, "--strategy", strategy, "--json", "--threads", "1"});
+        EXPECT_EQ(o.status, 0) << o.err;
+        return o.json();
+      };
+      const nlohmann::json chosen = plan_of("auto");
+      const std::string strategy = chosen["classes"][0]["strategy"];
+      const bool uniform = std::all_of(chosen["classes"].begin(), chosen["classes"].end(),
+                                       [&](const nlohmann::json& c) { return c["strategy"] == strategy; });
+      const nlohmann::json forced = plan_of(strategy);
+      EXPECT_EQ(forced["classes"][0]["expected_seconds"], chosen["classes"][0]["expected_seconds"]) << scene;
+      EXPECT_GT(forced["expected_seconds"], forced["expected_around_seconds"]) << scene;
+      if (uniform) {
+        EXPECT_NEAR(forced["expected_seconds"].get<double>() / chosen["expected_seconds"].get<double>(), 1, 1e-12)
+            << scene << " " << mode << " " << strategy;
+      }
+    }
+  }
+  const Outcome unknown = run_command({"plan", "stewart", "--strategy", "groups/nothing"});
+  EXPECT_EQ(unknown.status, 2) << unknown.err;
+}
+
 TEST(Plan, ShowsIfLevelsAreSolvedTogether) {
   const nlohmann::json plan = run_command({"plan", "four_bar:100", "--json", "--threads", "1"}).json();
   const nlohmann::json& of_class = plan["classes"].at(0);

@@ -142,7 +142,7 @@ TEST(Faults, AnOlderSchemaIsPutAside) {
   SQLite::Database(file.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE)
       .exec(bytes(fs::path(ASSUR_SOURCE_DIR) / "tests/data/databases/version_2.sql"));
   change(file, "PRAGMA user_version = 2");
-  expect_put_aside(file, Trouble::older, "its schema has version 2, but this assur uses version 3");
+  expect_put_aside(file, Trouble::older, "its schema has version 2, but this assur uses version 4");
 }
 
 TEST(Faults, AFullDiskLosesOnlyTheCurrentCell) {
@@ -245,6 +245,38 @@ TEST_P(ReadOnly, FolderIsReadButNotWritten) {
 
 INSTANTIATE_TEST_SUITE_P(Faults, ReadOnly, testing::Bool(),
                          [](const auto& how) { return how.param ? "InALogsMode" : "AtRest"; });
+
+// "No permission" is no absence, which advises to tune.
+TEST(Faults, AFileThatMustNotBeReadIsNotMissing) {
+  FileTree tree;
+  const auto file = tree.root() / "tuning.db";
+  make_database(file, host_with(4), 5);
+  fs::permissions(tree.root(), fs::perms(0755));
+  for (const fs::path& closed : {file, tree.root()}) {
+    fs::permissions(closed, fs::perms::none);
+    const int status = in_a_child([&] {
+      if (getuid() == 0 && setuid(65534) != 0) return 1;  // root may read everywhere
+      std::string problem;
+      if (trouble(file, Access::read, &problem) != Trouble::blocked) return 2;
+      if (problem.find("cannot be read: Permission denied") == std::string::npos) return 3;
+      const std::vector<db::DatabaseFile> users = {{file, db::DatabaseFile::Role::user}};
+      return db::read_machine_model(users, host_with(4), db::library_at_hand).messages.size() == 1 ? 0 : 4;
+    });
+    EXPECT_EQ(status, 0) << closed;
+    fs::permissions(closed, fs::perms(0755));
+  }
+}
+
+TEST(Faults, RootMakesNoFolderAmongThoseOfAUser) {
+  if (getuid() != 0) GTEST_SKIP() << "needs root";
+  FileTree tree;
+  ASSERT_EQ(chown(tree.root().c_str(), 65534, 65534), 0);
+  std::string problem;
+  EXPECT_EQ(trouble(tree.root() / "share/assur/tuning.db", Access::write, &problem), Trouble::blocked);
+  EXPECT_NE(problem.find("user 65534, who owns " + tree.root().string()), std::string::npos) << problem;
+  EXPECT_TRUE(fs::is_empty(tree.root()));
+  EXPECT_EQ(trouble(tree.root() / "tuning.db", Access::write), std::nullopt);
+}
 
 TEST(Faults, ReportsAMissingDatabaseOnlyIfItWasNamed) {
   FileTree tree;

@@ -85,9 +85,16 @@ TEST_F(Databases, CombinesSamplesOfOneMachine) {
   const auto users = make_database(file("user.db"), host_with(4), 4);
   const auto system = make_database(file("system.db"), host_with(4), 10);  // the same four cells and six more
   const MachineModel model = read(files({"user.db", "system.db"}), host_with(4));
-  EXPECT_EQ(model.model->samples(), 10u);
+  EXPECT_EQ(model.model->samples(), 14u);
   EXPECT_TRUE(contains(model.model->source(), file("user.db").string()));
   EXPECT_TRUE(contains(model.model->source(), file("system.db").string()));
+}
+
+TEST_F(Databases, CountsCopiesOnce) {
+  make_database(file("user.db"), host_with(4), 4);
+  db::Store system(file("system.db"), db::Access::write);
+  (void)system.import_from(file("user.db"));
+  EXPECT_EQ(read(files({"user.db", "system.db"}), host_with(4)).model->samples(), 4u);
 }
 
 // Only samples of the library that has changed are left out, with one message.

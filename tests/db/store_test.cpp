@@ -45,7 +45,7 @@ TEST(Store, ReturnsSamplesBitwise) {
   const auto found = store.samples();
   ASSERT_EQ(found.size(), given.size());
   for (std::size_t i = 0; i < given.size(); ++i) EXPECT_TRUE(same(found[i], given[i])) << i;
-  const db::Counts counts = store.counts();
+  const db::Counts counts = store.counts(host_with(4).fingerprint());
   EXPECT_EQ(counts.samples, 5);
   EXPECT_EQ(counts.unknown + counts.stale, 0);
 }
@@ -84,21 +84,25 @@ TEST(Store, GivesTimesAtTheUsualPaceOfAllSamples) {
     store.add(run, samples, pace);
     store.finish_run(run, {});
   };
-  std::vector<Sample> usual = cell_of(0, 6);
+  std::vector<Sample> usual = cell_of(0, 8);
   const std::vector<Sample> hurried = {sample_of(20)}, old = {sample_of(21)};
   usual[0].kernel = Kernel::meeting;
-  usual[0].seconds = 7e-6;
+  usual[0].strategy = parse_strategy("irreducible/lanes 2x1");
+  usual[1].strategy = parse_strategy("irreducible/lapack 1x2");
+  usual[2].strategy = parse_strategy("irreducible/cusolver");
+  usual[3].strategy = parse_strategy("irreducible/magma");
   // 1.6 times 2 us is the usual pace of the fixed work. This run took the machine for faster than it is.
   put(usual, 1.6, 2e-6);
   put(hurried, 0.5, 2e-6);
   put(old, 1, kNan);
   const auto found = by_uid(Store(file, Access::read).samples());
-  ASSERT_EQ(found.size(), 8u);
-  for (const Sample& s : usual) {
-    const double fixed = s.kernel == Kernel::meeting ? 5e-6 : 0;
-    EXPECT_DOUBLE_EQ(found.at(s.uid).seconds, fixed + 1.6 * (s.seconds - fixed));
-    EXPECT_DOUBLE_EQ(found.at(s.uid).spread, 1.6 * s.spread);
-    EXPECT_DOUBLE_EQ(found.at(s.uid).slowness, 1);
+  ASSERT_EQ(found.size(), 10u);
+  for (std::size_t i = 0; i < usual.size(); ++i) {
+    const Sample& s = usual[i];
+    const double times = i < 4 ? 1 : 1.6;  // the pace of one core does not change those of several threads and of GPUs
+    EXPECT_DOUBLE_EQ(found.at(s.uid).seconds, times * s.seconds) << i;
+    EXPECT_DOUBLE_EQ(found.at(s.uid).spread, times * s.spread) << i;
+    EXPECT_DOUBLE_EQ(found.at(s.uid).slowness, 1) << i;
   }
   EXPECT_DOUBLE_EQ(found.at(hurried[0].uid).seconds, 1.6 * hurried[0].seconds);
   EXPECT_DOUBLE_EQ(found.at(hurried[0].uid).slowness, 1 / 3.2);
@@ -107,30 +111,30 @@ TEST(Store, GivesTimesAtTheUsualPaceOfAllSamples) {
   SQLite::Database database(file.string());
   SQLite::Statement stored(database, "SELECT seconds, slowness FROM sample ORDER BY id");
   ASSERT_TRUE(stored.executeStep());
-  EXPECT_DOUBLE_EQ(stored.getColumn(0).getDouble(), 5e-6 + 1.6 * 2e-6);
+  EXPECT_DOUBLE_EQ(stored.getColumn(0).getDouble(), usual[0].seconds);
   EXPECT_DOUBLE_EQ(stored.getColumn(1).getDouble(), 3.2e-6);
   SQLite::Statement view(database, "SELECT m.seconds, s.uid FROM measured m JOIN sample s ON s.id = m.sample");
   int rows = 0;
   for (; view.executeStep(); ++rows) {
     EXPECT_NEAR(view.getColumn(0).getDouble() / found.at(view.getColumn(1).getString()).seconds, 1, 1e-14);
   }
-  EXPECT_EQ(rows, 8);
+  EXPECT_EQ(rows, 10);
   // Rows for people have raw times and slowness; samples of old databases have no slowness.
   const db::Answer answer = Store(file, Access::read).sample_rows();
   const auto column = [&](const char* name) {
     return std::find(answer.columns.begin(), answer.columns.end(), name) - answer.columns.begin();
   };
   const auto raw = static_cast<std::size_t>(column("raw_seconds")), slow = static_cast<std::size_t>(column("slowness"));
-  ASSERT_EQ(answer.rows.size(), 8u);
-  EXPECT_DOUBLE_EQ(std::get<double>(answer.rows[6][raw]), hurried[0].seconds / 2);
-  EXPECT_DOUBLE_EQ(std::get<double>(answer.rows[6][slow]), 1 / 3.2);
-  EXPECT_TRUE(std::holds_alternative<std::monostate>(answer.rows[7][raw]));
-  EXPECT_TRUE(std::holds_alternative<std::monostate>(answer.rows[7][slow]));
+  ASSERT_EQ(answer.rows.size(), 10u);
+  EXPECT_DOUBLE_EQ(std::get<double>(answer.rows[8][raw]), hurried[0].seconds / 2);
+  EXPECT_DOUBLE_EQ(std::get<double>(answer.rows[8][slow]), 1 / 3.2);
+  EXPECT_TRUE(std::holds_alternative<std::monostate>(answer.rows[9][raw]));
+  EXPECT_TRUE(std::holds_alternative<std::monostate>(answer.rows[9][slow]));
   // An export keeps the raw times bitwise.
   (void)Store(file, Access::read).export_to(tree.root() / "export.db");
   const std::string of_file = "SELECT uid, seconds, spread, slowness FROM ";
   database.exec("ATTACH '" + (tree.root() / "export.db").string() + "' AS export");
-  EXPECT_EQ(database.execAndGet("SELECT count(*) FROM export.sample").getInt(), 8);
+  EXPECT_EQ(database.execAndGet("SELECT count(*) FROM export.sample").getInt(), 10);
   EXPECT_EQ(
       database.execAndGet("SELECT count(*) FROM (" + of_file + "sample EXCEPT " + of_file + "export.sample)").getInt(),
       0);

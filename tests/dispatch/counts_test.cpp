@@ -66,5 +66,36 @@ TEST(Counts, AClassHasTheShapeOfItsGroups) {
   EXPECT_EQ(counted, s.shape(leg));
 }
 
+TEST(Counts, AWholeStepHasTheSumsOfItsGroups) {
+  const GroupedSystem s = group_equations(open_scene("stewart"));
+  const Shape step = shape_of_step(s, class_shapes(s));
+  EXPECT_EQ(step.n, 6 * 15 + 12);
+  EXPECT_EQ(step.groups, 7);
+  std::int64_t terms = 0;
+  for (const Shape& c : class_shapes(s)) terms += c.groups * c.terms;
+  EXPECT_EQ(step.terms, terms);
+}
+
+// Sizes and laws of a mechanism do not matter; what a step does, does.
+TEST(Counts, OnlyStepsThatDoTheSameHaveOneShape) {
+  const auto shape = [](const std::string& text, Formulation formulation, std::vector<std::string> outputs = {}) {
+    const Scene scene = sample(text);
+    const GroupedSystem s =
+        group_equations(outputs.empty() ? scene : scene.with_outputs(std::move(outputs)), {.formulation = formulation});
+    return shape_of_step(s, class_shapes(s));
+  };
+  const auto irreducible = Formulation::irreducible;
+  EXPECT_EQ(shape("stewart:omega=2", irreducible), shape("stewart", irreducible));
+  EXPECT_EQ(shape("slider_crank:rod_length=0.4", irreducible), shape("slider_crank", irreducible));
+  const std::vector<Shape> all = {
+      shape("stewart", irreducible),         shape("stewart", Formulation::groups),
+      shape("stewart", Formulation::global), shape("stewart", irreducible, {"handle1.value"}),
+      shape("stewart:legs=5", irreducible),  shape("four_bar:6", irreducible),
+      shape("jansen", irreducible)};
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    for (std::size_t k = 0; k < i; ++k) EXPECT_NE(all[i].pattern, all[k].pattern) << i << " " << k;
+  }
+}
+
 }  // namespace
 }  // namespace assur

@@ -192,7 +192,8 @@ TEST(Dispatcher, UsesOnlyMeasuredNumbersOfThreads) {
   const Plan plan = plan_by(alone, 2);
   EXPECT_EQ(plan.run.threads, 1);
   for (const Plan::Choice& c : plan.choices) EXPECT_EQ(c.threads * c.solver.threads, 1);
-  EXPECT_EQ(plan.reason, "one thread: several threads were not measured; run `assur tune` without `--threads 1`");
+  EXPECT_EQ(plan.reason,
+            "one thread: several threads were not measured; `assur tune` with two threads or more measures them");
   EXPECT_EQ(plan_by(alone, 1).reason, "one thread: the budget has only one");
   EXPECT_TRUE(plan_by(samples(), 2).reason.ends_with(" times as fast as one")) << plan_by(samples(), 2).reason;
   EXPECT_TRUE(plan_by({}, 2).reason.ends_with(" times as fast as one, not measured")) << plan_by({}, 2).reason;
@@ -274,6 +275,40 @@ TEST(Dispatcher, LosesNoMoreThanTheModelsUncertainty) {
     }
   }
   EXPECT_LT(sum / count, 0.02);
+}
+
+// Whole steps of a mechanism that were measured decide between their strategies, in all formulations.
+TEST(Dispatcher, MeasuredStepsCountMoreThanTheirParts) {
+  const Scene scene = sample("stewart");
+  std::vector<Sample> known = samples();
+  const auto plan_of = [&](const Scene& of, std::vector<std::string> without = {}) {
+    return prepare(of, {.budget = ThreadBudget{1},
+                        .model = std::make_shared<PerformanceModel>(known),
+                        .without = std::move(without)})
+        .plan();
+  };
+  const Plan by_parts = plan_of(scene), other = plan_of(sample("stewart:platforms=2"));
+  EXPECT_EQ(by_parts.reason.find("whole steps"), std::string::npos) << by_parts.reason;
+  const double usual = by_parts.expected_seconds;
+  std::mt19937_64 random(1);
+  for (const Formulation formulation : {Formulation::irreducible, Formulation::groups, Formulation::global}) {
+    const GroupedSystem structure = group_equations(scene, {.formulation = formulation});
+    const Shape step = shape_of_step(structure, class_shapes(structure));
+    for (const char* backend : {"lanes", "eigen"}) {
+      Strategy strategy = solver(backend);
+      strategy.run.formulation = formulation;
+      known.push_back(sample_of(Kernel::step, step, strategy, 0, random));
+      const bool is_fast = formulation == Formulation::groups && std::string(backend) == "eigen";
+      known.back().seconds = (is_fast ? 2 : 50) * usual;
+    }
+  }
+  const Plan measured = plan_of(scene);
+  EXPECT_EQ(measured.run.formulation, Formulation::groups);
+  for (const Plan::Choice& c : measured.choices) EXPECT_EQ(c.solver.backend, "eigen");
+  EXPECT_EQ(measured.expected_seconds, 2 * usual);
+  EXPECT_NE(measured.reason.find("whole steps were measured"), std::string::npos) << measured.reason;
+  for (const Plan::Choice& c : plan_of(scene, {"eigen"}).choices) EXPECT_NE(c.solver.backend, "eigen");
+  EXPECT_EQ(text_of(plan_of(sample("stewart:platforms=2"))), text_of(other));
 }
 
 TEST(Dispatcher, FillsLanesWithMechanismsInThroughput) {

@@ -78,6 +78,8 @@ TEST_F(RaceTest, HopelessRunnersLeaveAndKeepTheirTimes) {
 TEST_F(RaceTest, CorrectsTimesToTheUsualPace) {
   enter(30e-6);
   enter(33e-6);
+  enter(30e-6);
+  runners_[2].by_the_clock = true;
   Instruments with = laboratory_.instruments();
   with.stop = [&] {
     laboratory_.slow = std::fmod(laboratory_.now, 0.016) < 0.008 ? 1 : 1.8;
@@ -89,6 +91,8 @@ TEST_F(RaceTest, CorrectsTimesToTheUsualPace) {
   EXPECT_NEAR(runners_[0].median(), 30e-6, 1e-9);
   EXPECT_NEAR(runners_[1].median(), 33e-6, 1e-9);
   EXPECT_LT(runners_[0].spread(), 1e-9);
+  EXPECT_EQ(runners_[2].seconds, runners_[2].raw);
+  EXPECT_EQ(runners_[2].slowness(), 1);
   ASSERT_EQ(runners_[0].raw.size(), runners_[0].seconds.size());
   EXPECT_NEAR(runners_[0].slowness() * runners_[0].median(), median(runners_[0].raw), 1e-12);
   EXPECT_TRUE(figures.slowness == 1 || figures.slowness == 1.8) << figures.slowness;
@@ -249,6 +253,41 @@ TEST_F(RaceTest, StopsWaitingForCoresThatStayUneven) {
   EXPECT_EQ(figures.uneven, figures.shared);
 }
 
+TEST_F(RaceTest, TakesUnevenCoresAsTheyAreIfTold) {
+  for (const bool awaits : {true, false}) {
+    int looks = 0;
+    runners_.clear();
+    enter(30e-6);
+    runners_[0].threads = 2;
+    Instruments instruments = laboratory_.instruments();
+    instruments.unevenness = [&looks] { return ++looks, 2.0; };
+    RaceRules rules;
+    rules.awaits_even = awaits;
+    rules.least_rounds = rules.most_rounds = 7;
+    const RaceFigures figures = race(runners_, rules, instruments);
+    EXPECT_EQ(runners_[0].seconds.size(), 7u);
+    EXPECT_EQ(figures.uneven, figures.shared);
+    EXPECT_EQ(figures.shared == 7, !awaits);  // nothing is repeated
+    EXPECT_EQ(looks == 7, !awaits);
+    EXPECT_NEAR(figures.timed, 30e-6 * static_cast<double>(figures.blocks + 1), 1e-9);  // one more found its length
+  }
+}
+
+// Runners that would not get all of their blocks do not start, so that the others have theirs.
+TEST_F(RaceTest, StartsOnlyRunnersThatGetAllTheirBlocks) {
+  for (const int least : {1, 3}) {
+    runners_.clear();
+    for (const double seconds : {30e-6, 0.2, 40e-6}) enter(seconds);
+    RaceRules rules;
+    rules.seconds = 0.5;
+    rules.least_blocks = least;
+    hold(rules);
+    EXPECT_GE(runners_[0].seconds.size(), 7u) << least;
+    EXPECT_EQ(runners_[1].seconds.size(), least == 1 ? 1u : 0u);
+    EXPECT_GE(runners_[2].seconds.size(), 7u) << least;
+  }
+}
+
 TEST_F(RaceTest, FailedRunnersHaveNoTimes) {
   class Failing final : public Timed {
    public:
@@ -278,10 +317,6 @@ TEST(Runner, ReportsTheSlownessOfTheMachine) {
   r.seconds = {10e-6, 11e-6, 12e-6};
   r.raw = {20e-6, 22e-6, 24e-6};
   EXPECT_DOUBLE_EQ(r.slowness(), 2);
-  r.by_the_clock = 5e-6;
-  EXPECT_DOUBLE_EQ(r.slowness(), 17.0 / 6);
-  r.by_the_clock = 11e-6;  // all of the time runs by the clock
-  EXPECT_EQ(r.slowness(), 1);
 }
 
 TEST(Runner, ComputesMedianAndDeviation) {

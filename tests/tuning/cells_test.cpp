@@ -140,6 +140,23 @@ TEST(Candidates, LeaveOutFailedTrials) {
   for (const Strategy& s : linear_solvers(field, {.n = 20, .nnz = 60}, 16)) EXPECT_NE(s.solver.backend, "eigen");
 }
 
+// The dispatcher does not consider it there.
+TEST(Candidates, AGpuIsMeasuredWhereItMayWin) {
+  std::vector<Backend> table(backends().begin(), backends().end());
+  const auto eigen = std::find_if(table.begin(), table.end(), [](const Backend& b) { return b.id == "eigen"; });
+  ASSERT_NE(eigen, table.end());
+  eigen->device = true;
+  const Field field{table, ThreadBudget{1}};
+  const auto count = [](const std::vector<Strategy>& all) {
+    return std::count_if(all.begin(), all.end(), [](const Strategy& s) { return s.solver.backend == "eigen"; });
+  };
+  for (const std::int32_t n : {20, 99, 100, 400}) {
+    const Shape shape{.n = n, .nnz = 3 * n, .groups = 8};
+    EXPECT_EQ(count(linear_solvers(field, shape, 16)) > 0, n >= 100) << n;
+    EXPECT_EQ(count(pack_strategies(field, Formulation::groups, shape, false)) > 0, n >= 100) << n;
+  }
+}
+
 TEST(Profile, ASmallerBudgetHasFewerCells) {
   std::size_t before = 0;
   for (const double seconds : {2.0, 10.0, 55.0, 300.0}) {

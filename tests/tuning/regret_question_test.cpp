@@ -1,11 +1,11 @@
 // The contest for one question. Times depend on the machine, so the tests check properties that hold for every answer.
-#include "measure/regret_question.hpp"
+#include "tuning/regret_question.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-namespace assur::measure {
+namespace assur::tuning {
 namespace {
 
 TEST(PairedMedians, ASlowPassDoesNotChangeRatios) {
@@ -57,4 +57,4 @@ TEST(Contest, IgnoresStoppedPasses) {
 }
 
 }  // namespace
-}  // namespace assur::measure
+}  // namespace assur::tuning

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <utility>
 
 #include "assur/backend.hpp"
@@ -45,15 +44,11 @@ Demand demand_of(const Scene& scene, Formulation formulation) {
   options.predictor_derivatives = 2;
   const GroupedSystem s = group_equations(scene, options);
   Demand demand;
-  std::map<std::pair<std::int32_t, std::int32_t>, int> on_level;
-  std::vector<std::int32_t> groups(s.classes.size(), 0);
-  for (const SolvedGroup& g : s.groups) {
-    demand.side_by_side = std::max(demand.side_by_side, ++on_level[{g.level, g.group_class}]);
-    ++groups[static_cast<std::size_t>(g.group_class)];
-  }
+  const std::vector<ClassSize> sizes = class_sizes(s);
   for (std::size_t c = 0; c < s.classes.size(); ++c) {
     const Pattern pattern = s.pattern(static_cast<std::int32_t>(c));
-    demand.shapes.push_back({.n = pattern.n, .nnz = pattern.nnz(), .groups = groups[c], .rhs = 3});
+    demand.shapes.push_back({.n = pattern.n, .nnz = pattern.nnz(), .groups = sizes[c].groups, .rhs = 3});
+    demand.side_by_side = std::max(demand.side_by_side, sizes[c].side_by_side);
     demand.largest = std::max(demand.largest, pattern.n);
   }
   demand.together = why_not_together(s).empty();

@@ -269,6 +269,7 @@ void add_plan(CLI::App& app, Invocation& call) {
   CLI::App& plan = *app.add_subcommand("plan", "Show which strategy auto chooses, and why");
   PlanOptions& o = call.plan;
   add_scene(plan, call.common, o.scene, o.outputs);
+  add(plan, "--strategy", o.strategy, "Show the expected times of this strategy instead", "TEXT");
   add_names(plan, "--without", o.without, "Backends to leave out: lanes, klu, ...");
   add_mode(plan, o.mode);
   add_accuracy(plan, o.accuracy);

@@ -111,6 +111,7 @@ struct CompareOptions {
 struct PlanOptions {
   std::string scene;
   std::vector<std::string> outputs;  // empty: those of the scene
+  std::string strategy = "auto";
   Mode mode = Mode::latency;
   double accuracy = 0;               // PrepareOptions::accuracy
   std::vector<std::string> without;  // backends

@@ -41,7 +41,8 @@ int plan(const Common& common, const PlanOptions& options) {
   refuse_overwriting({{"--save", options.save}}, scene);
   const MachineModel known = machine_model_of(common);
   const ThreadBudget budget = common.threads > 0 ? ThreadBudget{common.threads} : this_machine().budget();
-  const Prepared prepared = prepare(scene, {.budget = budget,
+  const Prepared prepared = prepare(scene, {.strategy = options.strategy,
+                                            .budget = budget,
                                             .mode = options.mode,
                                             .model = known.model,
                                             .without = options.without,

@@ -25,6 +25,7 @@
 #include "tuning/held_out.hpp"
 #include "tuning/probe.hpp"
 #include "tuning/profile.hpp"
+#include "tuning/proof.hpp"
 #include "tuning/refinement.hpp"
 #include "tuning/sample_csv.hpp"
 #include "tuning/tuning_report.hpp"
@@ -32,10 +33,11 @@
 namespace assur::command {
 namespace {
 
-constexpr double kTrial = 5;        // s, time limit for the trial of a solver, which normally takes milliseconds
-constexpr double kLook = 0.01;      // share of the run time for observing the usual pace of the machine
-constexpr double kMostLook = 1;     // s, upper limit of that time
-constexpr int kRoundsOfSpread = 5;  // fewest rounds for a meaningful spread
+constexpr double kTrial = 5;         // s, time limit for the trial of a solver, which normally takes milliseconds
+constexpr double kLook = 0.01;       // share of the run time for observing the usual pace of the machine
+constexpr double kMostLook = 1;      // s, upper limit of that time
+constexpr double kProofShare = 0.1;  // share of the run time for whole steps of unlike mechanisms
+constexpr int kRoundsOfSpread = 5;   // fewest rounds for a meaningful spread
 
 // With --csv the run may do without a database.
 std::optional<std::filesystem::path> database_of(const Common& common, const TuneOptions& options) {
@@ -155,8 +157,12 @@ int tune(const Common& common, const TuneOptions& options) {
   pace.attach(instruments);
 
   tuning::Campaign campaign(how, instruments);
-  campaign.run(cells);
-  if (options.scenes.empty()) tuning::refine(campaign, profile.until_settled);
+  campaign.run(cells, by_cells ? 0 : kProofShare * profile.seconds);
+  std::vector<tuning::Proof> proofs;
+  if (!by_cells) {
+    proofs = tuning::prove(campaign, how.field);
+    tuning::refine(campaign, profile.until_settled);
+  }
   progress.clear();
 
   const measure::NoiseAssessment noise = assessment_of(campaign, watch);
@@ -168,6 +174,7 @@ int tune(const Common& common, const TuneOptions& options) {
   summary.reason = noise.reason;
   summary.figures = campaign.figures();
   summary.regret = tuning::regret(tuning::model_of(campaign.results()), campaign.results());
+  summary.proofs = std::move(proofs);
   summary.failed = probes.failed();
   summary.cells = campaign.results();
   summary.seconds = measure::StepTimes::steady() - begin;

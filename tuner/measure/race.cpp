@@ -30,6 +30,7 @@ class Race {
 
   RaceFigures hold() {
     for (Runner& r : runners_) find_block(r);
+    if (rules_.least_blocks > 1) leave_out();
     std::mt19937_64 random(rules_.seed);
     std::vector<std::size_t> order(runners_.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
@@ -48,6 +49,7 @@ class Race {
     // of their last block.
     for (Runner& r : runners_) {
       if (r.seconds.empty() && !r.failed && per_call_.contains(&r)) keep(r);
+      if (std::ssize(r.seconds) < rules_.least_blocks) forget(r);
     }
     if (!slowness_.empty()) figures_.slowness = assur::median(slowness_);
     return figures_;
@@ -83,12 +85,11 @@ class Race {
     }
     if (!ok) {
       r.failed = true;
-      r.seconds.clear();
-      r.raw.clear();
+      forget(r);
       return -1;
     }
-    const double fixed = std::min(r.by_the_clock * r.calls, end - begin);
-    const double seconds = fixed + (end - begin - fixed) / ((before + slowness()) / 2);
+    figures_.timed += end - begin;
+    const double seconds = (end - begin) / (r.by_the_clock ? 1 : (before + slowness()) / 2);
     per_call_[&r] = {seconds / r.calls, (end - begin) / r.calls};
     return seconds;
   }
@@ -97,6 +98,28 @@ class Race {
   void keep(Runner& r) {
     r.seconds.push_back(per_call_[&r].seconds);
     r.raw.push_back(per_call_[&r].raw);
+  }
+
+  static void forget(Runner& r) {
+    r.seconds.clear();
+    r.raw.clear();
+  }
+
+  // The first runners start for which there is time for all of their blocks.
+  void leave_out() {
+    double left = end_ - with_.clock();
+    for (Runner& r : runners_) {
+      const auto found = per_call_.find(&r);
+      const std::ptrdiff_t missing = rules_.least_blocks - std::ssize(r.seconds);
+      const double needs =
+          found == per_call_.end() ? kInfinity : static_cast<double>(missing) * r.calls * found->second.raw;
+      if (r.failed || missing <= 0) continue;
+      if (needs > left) {
+        r.hopeless = true;
+      } else {
+        left -= needs;
+      }
+    }
   }
 
   // Doubles the calls until a block is long enough for the clock. A long call is already a round.
@@ -115,7 +138,7 @@ class Race {
 
   // Waits a while until the cores have the same pace; false if they do not.
   [[nodiscard]] bool await_even(const Runner& r) const {
-    if (r.threads < 2) return true;
+    if (r.threads < 2 || !rules_.awaits_even) return true;
     for (int look = 0; look < kLooks && !over(); ++look) {
       if (even(r)) return true;
     }
@@ -134,7 +157,9 @@ class Race {
       figures_.disturbed += switched_ ? 1 : 0;
       figures_.shared += r.threads > 1 ? 1 : 0;
       figures_.uneven += uneven ? 1 : 0;
-      if ((switched_ || uneven) && attempt < rules_.repeats && seconds < kLargeShare * rules_.seconds / 10) continue;
+      if ((switched_ || (uneven && rules_.awaits_even)) && attempt < rules_.repeats &&
+          seconds < kLargeShare * rules_.seconds / 10)
+        continue;
       keep(r);
       return;
     }
@@ -211,9 +236,8 @@ double Runner::spread() const {
 }
 
 double Runner::slowness() const {
-  if (raw.empty()) return 1;
-  const double by_clock = assur::median(raw) - by_the_clock, usual = median() - by_the_clock;
-  return by_clock > 0 && usual > 0 ? by_clock / usual : 1;
+  const double usual = raw.empty() ? 0 : median();
+  return usual > 0 ? assur::median(raw) / usual : 1;
 }
 
 Instruments::Instruments()

@@ -14,10 +14,10 @@ namespace assur::measure {
 // A workload in a race, with its results.
 struct Runner {
   Workload* work = nullptr;
-  int heat = 0;             // only runners of one heat are compared
-  int share = 1;            // results of one call; seconds for one result are compared
-  int threads = 1;          // threads of the work; if several, only times on cores of equal pace are reliable
-  double by_the_clock = 0;  // s of one call that the work waits by the clock, independent of the pace
+  int heat = 0;               // only runners of one heat are compared
+  int share = 1;              // results of one call; seconds for one result are compared
+  int threads = 1;            // threads of the work; if several, only times on cores of equal pace are reliable
+  bool by_the_clock = false;  // true: its times do not follow the pace of one core (follows_pace())
 
   // Results of the race.
   int calls = 1;                     // calls in a block
@@ -29,18 +29,20 @@ struct Runner {
   [[nodiscard]] double median() const;  // median time of one call, s; infinite without a time
   // Median absolute deviation, s; with two rounds the range of their times, with one round its whole time.
   [[nodiscard]] double spread() const;
-  // Slowness during its blocks: median by the clock over median at the usual pace, both without by_the_clock.
+  // Slowness during its blocks: median by the clock over median at the usual pace.
   [[nodiscard]] double slowness() const;
 };
 
 struct RaceRules {
-  double block = 20e-6;  // least duration of a block, s
-  double seconds = 0.5;  // duration of the whole race, s; a block that has begun is finished
-  int trial_rounds = 3;  // rounds after which hopeless runners leave
-  int least_rounds = 7;  // rounds of the others, if time allows
-  int most_rounds = 40;  // even if the two best are still close
-  double hopeless = 3;   // a runner is hopeless if its best time exceeds this times the leader's median
-  int repeats = 3;       // largest number of repetitions of a disturbed block
+  double block = 20e-6;     // least duration of a block, s
+  double seconds = 0.5;     // duration of the whole race, s; a block that has begun is finished
+  int least_blocks = 1;     // a runner with fewer times has none; from 2 on, those that would not get them do not start
+  bool awaits_even = true;  // false: does not wait until all cores have the same pace
+  int trial_rounds = 3;     // rounds after which hopeless runners leave
+  int least_rounds = 7;     // rounds of the others, if time allows
+  int most_rounds = 40;     // even if the two best are still close
+  double hopeless = 3;      // a runner is hopeless if its best time exceeds this times the leader's median
+  int repeats = 3;          // largest number of repetitions of a disturbed block
   std::uint64_t seed = 1;
 };
 
@@ -62,6 +64,7 @@ struct RaceFigures {
   std::int64_t shared = 0;     // blocks of several threads, including repeated ones
   std::int64_t uneven = 0;     // blocks among them while one core was much slower than another
   double slowness = 1;         // median slowness of the machine
+  double timed = 0;            // s that all blocks took together
 };
 
 // Runs a race. A runner is compared, by the time of one result, with runners of its heat that have the same or a

@@ -28,17 +28,12 @@ std::string to_string(const Way& way) {
   return to_string(way.strategy) + (way.iterations > 0 ? " --iterations " + std::to_string(way.iterations) : "");
 }
 
-std::vector<Formulation> formulations_of(const Scene& scene) {
-  std::vector<Formulation> all = {Formulation::irreducible, Formulation::global};
-  if (!scene.groups().empty()) all.push_back(Formulation::groups);
-  return all;
-}
-
 std::vector<Way> solvers(const Scene& scene, ThreadBudget budget) {
+  const GroupedSystem structure = group_equations(scene, {.formulation = Formulation::irreducible});
   StrategySpace space;
-  space.formulations = formulations_of(scene);
+  space.formulations = formulations_of(structure);
   space.lanes = {1, kLanes};
-  space.together = why_not_together(group_equations(scene, {})).empty();
+  space.together = why_not_together(structure).empty();
   if (budget.threads > 1) space.packs = space.threads = {1, budget.threads};
   const auto wanted = [](const Backend& backend, const Strategy& s) {
     const bool irreducible = s.run.formulation == Formulation::irreducible;

@@ -30,9 +30,6 @@ struct Way {
 // "groups/klu --iterations 2": as `assur run` takes it.
 [[nodiscard]] std::string to_string(const Way& way);
 
-// The formulations that differ for a scene: without declared groups, `groups` are irreducible groups.
-[[nodiscard]] std::vector<Formulation> formulations_of(const Scene& scene);
-
 // Every solver that can run here in every formulation that the scene has, on one thread and on as many as allowed.
 [[nodiscard]] std::vector<Way> solvers(const Scene& scene, ThreadBudget budget);
 

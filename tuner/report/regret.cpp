@@ -5,18 +5,18 @@
 #include <set>
 
 #include "measure/pace.hpp"
-#include "measure/regret_survey.hpp"
 #include "measure/step_times.hpp"
 #include "median.hpp"
 #include "output/format.hpp"
 #include "pictures/plot.hpp"
 #include "report/sections.hpp"
+#include "tuning/regret_survey.hpp"
 
 namespace assur::report {
 namespace {
 
-using measure::Answer;
-using measure::Question;
+using tuning::Answer;
+using tuning::Question;
 
 constexpr double kGolden = 0.6180339887498949;
 constexpr double kLeastRace = 0.2, kMostRace = 4;  // s for each race of a question
@@ -26,6 +26,7 @@ constexpr double kFirstPasses = 0.85;              // share of the time for the 
 constexpr double kMostOfTime = 0.2;                // share of the time for one question
 constexpr double kFar = 1;                         // regret above which the axis is logarithmic
 constexpr std::size_t kWorst = 6;                  // worst cases in the table
+constexpr std::size_t kFew = 10;                   // fewer answers say little about a percentile
 
 // Reorders the questions such that the first k are a fair choice for every k; the first one stays the first.
 std::vector<Question> spread_out(std::vector<Question> all) {
@@ -36,11 +37,6 @@ std::vector<Question> spread_out(std::vector<Question> all) {
   std::vector<Question> out;
   for (const std::size_t i : order) out.push_back(std::move(all[i]));
   return out;
-}
-
-std::string item_of(const Question& q) {
-  const std::string without = q.without_text();
-  return q.scene + (without.empty() ? "" : ", " + without);
 }
 
 std::string questions_text(std::size_t count) { return output::counted(count, "question"); }
@@ -108,15 +104,15 @@ HtmlTable worst(std::vector<Answer> answers) {
       {"worst cases", "regret", "auto", "step", "fastest", "step"}, {text, number, text, number, text, number}, {}};
   for (const Answer& a : answers) {
     if (table.rows.size() == kWorst || a.regret() <= 0) break;
-    table.rows.push_back({{item_of(a.question), percent(a.regret()), a.chosen.strategy,
+    table.rows.push_back({{a.question.text(), percent(a.regret()), a.chosen.strategy,
                            output::duration(a.chosen.seconds), a.best.strategy, output::duration(a.best.seconds)}});
   }
   return table;
 }
 
 void add_answer(Section& out, const Answer& a) {
-  const auto time = [&](const char* quantity, const measure::Finalist& f) {
-    return Measurement{item_of(a.question),        f.strategy,           quantity, "s", f.seconds, "measured",
+  const auto time = [&](const char* quantity, const tuning::Finalist& f) {
+    return Measurement{a.question.text(),          f.strategy,           quantity, "s", f.seconds, "measured",
                        static_cast<int>(f.rounds), f.spread / f.seconds, f.error};
   };
   const Measurement chosen = time("seconds per step, auto", a.chosen);
@@ -135,28 +131,31 @@ Section regret_section(const std::vector<Answer>& answers, std::size_t planned) 
     out.body = paragraph("No question was answered.", "notice");
     return out;
   }
-  Choices ours{"auto", "auto", "regret"}, theirs{"the best constant strategy", "best constant", "regret"},
+  Choices ours{"auto", "auto", "regret"}, untuned{"auto without measurements", "auto", "regret without measurements"},
+      theirs{"the best constant strategy", "best constant", "regret"},
       itself{"auto against itself", "auto", "regret to itself"};
   std::set<std::string> winners;
   for (const Answer& a : answers) {
     add_answer(out, a);
-    const std::string item = item_of(a.question);
+    const std::string item = a.question.text();
     ours.all.push_back({a.regret(), item, a.chosen.strategy, " (fastest: " + a.best.strategy + ")"});
+    untuned.all.push_back({a.untuned.seconds / a.best.seconds - 1, item, a.untuned.strategy});
     itself.all.push_back({a.regret_to_itself(), item, a.chosen.strategy});
     winners.insert(a.best.strategy);
   }
   std::string constants;
-  for (const auto& [set, constant] : measure::constants(answers)) {
+  for (const auto& [set, constant] : tuning::constants(answers)) {
+    if (constant.regrets.size() < kFew) continue;  // of one question, its regret is 0 by definition
     constants += (constants.empty() ? "" : "; ") + (set.empty() ? "all solvers" : set) + ": " + constant.strategy;
     std::size_t i = 0;
     for (const Answer& a : answers) {
       if (a.question.without_text() != set) continue;
-      theirs.all.push_back({constant.regrets[i++], item_of(a.question), constant.strategy});
-      out.measurements.push_back({item_of(a.question), constant.strategy, "regret of the best constant strategy", "1",
+      theirs.all.push_back({constant.regrets[i++], a.question.text(), constant.strategy});
+      out.measurements.push_back({a.question.text(), constant.strategy, "regret of the best constant strategy", "1",
                                   theirs.all.back().regret, "time over that of the fastest in the first race, less 1"});
     }
   }
-  std::vector<Choices> everybody = {std::move(ours)};
+  std::vector<Choices> everybody = {std::move(ours), std::move(untuned)};
   if (!theirs.all.empty()) everybody.push_back(std::move(theirs));
   everybody.push_back(std::move(itself));
   double to = 0;
@@ -170,7 +169,9 @@ Section regret_section(const std::vector<Answer>& answers, std::size_t planned) 
 
   out.body =
       paragraph(
-          "Whole steps of mechanisms with sizes that the tuner does not measure. The choice of auto is compared with "
+          "Whole steps of mechanisms with sizes that the tuner does not measure, and of mechanisms unlike those that "
+          "it "
+          "measures. The choice of auto is compared with "
           "the "
           "fastest of all strategies that are the same for all classes, and of mixtures of them. Regret is the "
           "relative "
@@ -182,6 +183,7 @@ Section regret_section(const std::vector<Answer>& answers, std::size_t planned) 
           (winners.size() == 1
                ? "one strategy is the fastest in all."
                : output::grouped(winners.size()) + " different strategies are the fastest in at least one.")) +
+      (answers.size() < kFew ? paragraph("So few answers say little about other mechanisms.", "notice") : "") +
       html(summary(everybody));
 
   everybody.pop_back();
@@ -189,10 +191,10 @@ Section regret_section(const std::vector<Answer>& answers, std::size_t planned) 
   plot.title = "Share of questions against time of the choice over time of the fastest";
   plot.y = {"questions, %", false, output::number};
   plot.x = {"time of the choice over time of the fastest", to > kFar, output::number};
-  for (const Choices& c : everybody) {
-    const bool first = plot.series.empty();
-    plot.series.push_back(
-        steps(c, to, first ? 0 : 1, first ? pictures::Series::Mark::dot : pictures::Series::Mark::square));
+  using enum pictures::Series::Mark;
+  constexpr std::array kMarks = {dot, square, triangle};
+  for (std::size_t i = 0; i < everybody.size(); ++i) {
+    plot.series.push_back(steps(everybody[i], to, static_cast<int>(i), kMarks[i]));
   }
   out.body += pictures::figure(plot);
   if (!constants.empty()) out.body += paragraph("Best constant strategies: " + constants + ".", "faint");
@@ -203,11 +205,14 @@ Section regret_section(const std::vector<Answer>& answers, std::size_t planned) 
 Section regret(const Knowledge& knowledge, const Conditions& conditions) {
   const double begin = measure::StepTimes::steady();
   const auto taken = [&] { return measure::StepTimes::steady() - begin; };
-  const std::vector<Question> all = spread_out(measure::regret_questions(conditions.threads));
-  std::vector<measure::Contest> contests;
+  std::vector<Question> all = tuning::regret_questions(conditions.threads);
+  const std::vector<Question> unlike = tuning::unlike_questions(conditions.threads);
+  all.insert(all.end(), unlike.begin(), unlike.end());
+  all = spread_out(std::move(all));
+  std::vector<tuning::Contest> contests;
   std::vector<std::string> too_long;
   double end = 0;  // s, time at which the current race has to end
-  measure::QuestionOptions how;
+  tuning::QuestionOptions how;
   how.model = knowledge.known.model;
   how.quick = conditions.quick;
   how.seconds = std::clamp(conditions.seconds / kQuestionsAtLeast / 3, kLeastRace, kMostRace);
@@ -220,21 +225,21 @@ Section regret(const Knowledge& knowledge, const Conditions& conditions) {
   for (const Question& q : all) {
     if (conditions.interrupted() || (!contests.empty() && taken() > first_passes)) break;
     end = std::min(first_passes, taken() + kMostOfTime * conditions.seconds);
-    auto contest = measure::Contest::open(q, how);
+    auto contest = tuning::Contest::open(q, how);
     if (contest && contest->race()) {
       contests.push_back(std::move(*contest));
     } else if (!conditions.interrupted() && end < first_passes) {
-      too_long.push_back(item_of(q));
+      too_long.push_back(q.text());
     }
   }
   end = conditions.seconds;
-  for (int pass = 1; pass < measure::kPasses; ++pass) {
-    for (measure::Contest& c : contests) {
+  for (int pass = 1; pass < tuning::kPasses; ++pass) {
+    for (tuning::Contest& c : contests) {
       if (how.instruments.stop() || !c.race()) break;
     }
   }
   std::vector<Answer> answers;
-  for (const measure::Contest& c : contests) answers.push_back(c.answer());
+  for (const tuning::Contest& c : contests) answers.push_back(c.answer());
   Section out = regret_section(answers, all.size());
   if (!too_long.empty()) out.body += paragraph("Skipped for lack of time: " + output::listed(too_long) + ".", "faint");
   if (knowledge.known.model->samples() == 0) {

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "measure/race.hpp"
-#include "measure/regret_question.hpp"
 #include "report/knowledge.hpp"
 #include "report/section.hpp"
+#include "tuning/regret_question.hpp"
 
 namespace assur::report {
 
@@ -35,7 +35,7 @@ struct Conditions {
 // The regret of `auto` and of the best constant strategy over mechanisms that were not tuned for.
 [[nodiscard]] Section regret(const Knowledge& knowledge, const Conditions& conditions);
 // The same section from given answers; planned: number of all questions.
-[[nodiscard]] Section regret_section(const std::vector<measure::Answer>& answers, std::size_t planned);
+[[nodiscard]] Section regret_section(const std::vector<tuning::Answer>& answers, std::size_t planned);
 
 // Error and run time of some mechanisms, with the Pareto front and the choice of `auto`.
 [[nodiscard]] Section work_precision(const Knowledge& knowledge, const Conditions& conditions);

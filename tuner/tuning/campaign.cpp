@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "assur/status.hpp"
-#include "dispatch/prior.hpp"
+#include "dispatch/pace.hpp"
 #include "numbers.hpp"
 
 namespace assur::tuning {
@@ -15,6 +15,9 @@ namespace {
 
 constexpr double kSetupShare = 0.5;    // share of a cell's time, after which no more candidates are set up
 constexpr double kCrowdBlock = 1e-3;   // s; long compared with the two meetings of the threads in each block
+constexpr int kLeastBlocks = 3;        // the fewest whose median and scatter mean something
+constexpr double kMostlyUneven = 0.9;  // share of the blocks of several threads
+constexpr std::int64_t kEnoughShared = 20;
 constexpr double kMostScatter = 0.5;   // relative spread above which a time of Kernel::around is discarded
 constexpr double kLargestShare = 0.2;  // share of a cell's time: most that the setup of one candidate may take
 
@@ -57,16 +60,16 @@ void add_around(CellResult& cell, std::span<const Entrant> entrants, const Shape
     return nullptr;
   };
   std::vector<Result> found;
-  for (const Entrant& whole : entrants) {
-    const Sample* const step = whole.kernel == Kernel::step ? timed(whole) : nullptr;
+  for (std::size_t i = 0; i < entrants.size(); ++i) {
+    const Sample* const step = entrants[i].kernel == Kernel::step ? timed(entrants[i]) : nullptr;
     if (step == nullptr) continue;
     Sample s = *step;
     s.kernel = Kernel::around;
     s.shape = shape;
     s.backward_error = s.forward_error = kNan;
     bool all = false;
-    for (const Entrant& part : entrants) {
-      if (part.packs_of_step == 0 || !(part.strategy == whole.strategy)) continue;
+    for (std::size_t k = i + 1; k < entrants.size() && entrants[k].packs_of_step > 0; ++k) {
+      const Entrant& part = entrants[k];
       const Sample* const pack = timed(part);
       s.seconds -= pack != nullptr ? part.packs_of_step * pack->seconds : kInfinity;
       s.spread = pack != nullptr ? std::hypot(s.spread, part.packs_of_step * pack->spread) : kInfinity;
@@ -88,14 +91,14 @@ double CampaignFigures::drift() const {
 double Campaign::seconds_left() const { return options_.seconds - (instruments_.clock() - begin_); }
 
 template <class Work>
-void Campaign::visit(const std::vector<Cell>& cells, const Work& work) {
+void Campaign::visit(const std::vector<Cell>& cells, double kept, const Work& work) {
   double weight = 0;
   for (const Cell& cell : cells) weight += cell.weight;
   for (const Cell& cell : cells) {
     figures_.interrupted = instruments_.stop();
-    const double left = seconds_left();
+    const double left = seconds_left() - kept;
     if (figures_.interrupted || left <= 0) break;
-    if (options_.progress) options_.progress(options_.seconds - left, cell);
+    if (options_.progress) options_.progress(options_.seconds - seconds_left(), cell);
     const double share = cell.weight * std::min(left / weight, options_.most_for_cell);
     weight -= cell.weight;
     try {
@@ -112,9 +115,9 @@ void Campaign::visit(const std::vector<Cell>& cells, const Work& work) {
   figures_.seconds = instruments_.clock() - begin_;
 }
 
-void Campaign::run(const std::vector<Cell>& cells) {
+void Campaign::run(const std::vector<Cell>& cells, double kept) {
   figures_.planned += cells.size();
-  visit(cells, [&](const Cell& cell, Ground& ground, double seconds) {
+  visit(cells, kept, [&](const Cell& cell, Ground& ground, double seconds) {
     if (is_known(cell, ground)) {
       --figures_.planned;
       return;
@@ -134,7 +137,7 @@ void Campaign::again() {
   ++figures_.passes;
   std::vector<Cell> cells;
   for (const CellResult& result : results_) cells.push_back(result.cell);
-  visit(cells, [&](const Cell& cell, Ground& ground, double seconds) {
+  visit(cells, 0, [&](const Cell& cell, Ground& ground, double seconds) {
     std::vector<Result>& known = results_[static_cast<std::size_t>(&cell - cells.data())].results;
     const CellResult more = measure_cell(cell, ground, seconds);
     if (instruments_.stop()) return;
@@ -222,24 +225,33 @@ CellResult Campaign::measure_cell(const Cell& cell, Ground& ground, double secon
     runner.heat = heat;
     runner.share = whole ? 1 : e.strategy.solver.lanes * e.packs_of_call;
     runner.threads = e.strategy.run.threads * e.strategy.solver.threads;
-    if (e.kernel == Kernel::meeting) runner.by_the_clock = kAloneBeforeMeeting;
+    runner.by_the_clock = !follows_pace(e.strategy);
     runners.push_back(std::move(runner));
   }
   measure::RaceRules rules = options_.race;
   rules.seconds = end - instruments_.clock();
   if (cell.kind == Cell::Kind::crowd) rules.block = kCrowdBlock;
+  rules.least_blocks = kLeastBlocks;
+  // Many cores may never have the same pace.
+  const measure::RaceFigures& so_far = figures_.race;
+  rules.awaits_even = static_cast<double>(so_far.uneven) < kMostlyUneven * static_cast<double>(so_far.shared) ||
+                      so_far.shared < kEnoughShared;
   rules.seed += static_cast<std::uint64_t>(figures_.passes);
   const measure::RaceFigures race = measure::race(runners, rules, instruments_);
   figures_.race.blocks += race.blocks;
   figures_.race.disturbed += race.disturbed;
   figures_.race.shared += race.shared;
   figures_.race.uneven += race.uneven;
+  figures_.race.timed += race.timed;
   if (!entrants.empty()) figures_.slowness.push_back(race.slowness);
 
   for (std::size_t i = 0; i < entrants.size(); ++i) {
     const Entrant& e = entrants[i];
     if (runners[i].seconds.empty()) {
-      if (runners[i].failed) out.refused.push_back({{e.kernel, e.strategy}, "refused: it failed while being timed"});
+      out.refused.push_back({{e.kernel, e.strategy},
+                             runners[i].failed
+                                 ? "refused: it failed while being timed"
+                                 : "not timed: there was no time for " + std::to_string(kLeastBlocks) + " blocks"});
       continue;
     }
     Sample s;

@@ -78,8 +78,9 @@ class Campaign {
   // instruments: as for a race.
   Campaign(CampaignOptions options, measure::Instruments instruments);
 
-  // Measures cells until all are done, the time is used up, or stop() is true. May be called again with more cells.
-  void run(const std::vector<Cell>& cells);
+  // Measures cells until all are done, the time but `kept` seconds is used up, or stop() is true. May be called again
+  // with more cells.
+  void run(const std::vector<Cell>& cells, double kept = 0);
 
   // Measures all cells so far again, because disturbances of a machine change from minute to minute.
   void again();
@@ -92,7 +93,7 @@ class Campaign {
  private:
   // Calls work(cell, ground, seconds) for each cell while there is time.
   template <class Work>
-  void visit(const std::vector<Cell>& cells, const Work& work);
+  void visit(const std::vector<Cell>& cells, double kept, const Work& work);
   [[nodiscard]] CellResult measure_cell(const Cell& cell, Ground& ground, double seconds);
   [[nodiscard]] CellResult earlier(const Cell& cell, const Ground& ground) const;
   void note(const CellResult& result, double n, const std::vector<std::pair<Candidate, double>>& setups);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "dispatch/candidates.hpp"
 #include "dispatch/strategies.hpp"
 
 namespace assur::tuning {
@@ -14,7 +15,7 @@ constexpr std::int32_t kWorthThreads = 100;  // unknowns from which several thre
 // The turn of a strategy: the most promising ones come first, then each backend once, because time may be short.
 int turn_of(const Backend& backend, const SolverSettings& s) {
   if (s.single) return 3;
-  if (backend.device) return 2;
+  if (backend.device) return s.lanes == 1 ? 1 : 2;
   if (backend.fills_lanes && (s.lanes == 1 || s.lanes == 8)) return 0;
   return !backend.fills_lanes && s.threads == 1 ? 1 : 2;
 }
@@ -22,10 +23,10 @@ int turn_of(const Backend& backend, const SolverSettings& s) {
 template <class Wanted>
 std::vector<Strategy> in_turns(const Field& field, const StrategySpace& space, const Shape& shape,
                                const Wanted& wanted) {
-  std::vector<Strategy> all =
-      strategies(space, {.table = field.table, .shape = shape, .wanted = [&](const Backend& b, const Strategy& s) {
-                           return wanted(b, s.solver) && field.why_not(s).empty();
-                         }});
+  std::vector<Strategy> all = strategies(
+      space, {.table = field.table, .shape = shape, .wanted = [&](const Backend& b, const Strategy& s) {
+                return !(b.device && shape.n < kWorthDevice) && wanted(b, s.solver) && field.why_not(s).empty();
+              }});
   const auto turn = [&](const Strategy& s) { return turn_of(find_backend(field.table, s.solver.backend), s.solver); };
   std::stable_sort(all.begin(), all.end(), [&](const Strategy& a, const Strategy& b) { return turn(a) < turn(b); });
   return all;

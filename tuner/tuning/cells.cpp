@@ -197,18 +197,6 @@ Cell around(Cell of_steps) {
   return of_steps;
 }
 
-// The largest number of groups of a class on one level.
-std::int32_t side_by_side(const GroupedSystem& structure, std::int32_t group_class) {
-  std::int32_t most = 0, level = -1, count = 0;
-  for (const SolvedGroup& g : structure.groups) {
-    if (g.group_class != group_class) continue;
-    count = g.level == level ? count + 1 : 1;
-    level = g.level;
-    most = std::max(most, count);
-  }
-  return most;
-}
-
 }  // namespace
 
 std::string to_string(const Cell& cell) {
@@ -295,11 +283,12 @@ std::vector<Cell> scene_cells(const std::string& text, const Scene& scene) {
     if (structure.classes.empty())
       throw Error(Error::Kind::input, {{text, "nothing in it moves, so there is nothing to time"}});
     const std::string family = text + ", " + std::string(name(f));
+    const std::vector<ClassSize> sizes = class_sizes(structure);
     for (std::size_t k = 0; k < structure.classes.size(); ++k) {
       const auto group_class = static_cast<std::int32_t>(k);
       Cell m = matrix(family, structure.classes[k].n);
       m.group_class = group_class;
-      Cell p = packs(family, m.n, side_by_side(structure, group_class), same, f);
+      Cell p = packs(family, m.n, sizes[k].side_by_side, same, f);
       p.group_class = group_class;
       p.policies = true;
       m.scene = same;

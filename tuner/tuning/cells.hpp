@@ -36,6 +36,7 @@ struct Cell {
   std::int32_t group_class = -1;                     // -1: the class with the most groups, then the most unknowns
   std::function<Cell(std::int32_t n)> at = nullptr;  // the cell of the family with another size; null: there is none
   int per_row = 0;                                   // random matrices: entries of a column
+  std::vector<Strategy> only = {};                   // steps: only these strategies; empty: all that make sense
 };
 
 // "rings, n = 120", "stewart groups, 60 groups"

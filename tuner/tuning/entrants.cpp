@@ -23,22 +23,16 @@ constexpr int kDifferent = 16;  // different matrices of one pattern; further la
 
 [[noreturn]] void refuse(const std::string& why) { throw Error(Error::Kind::numerical, why); }
 
-std::vector<std::int32_t> groups_of_classes(const GroupedSystem& structure) {
-  std::vector<std::int32_t> count(structure.classes.size(), 0);
-  for (const SolvedGroup& g : structure.groups) ++count[static_cast<std::size_t>(g.group_class)];
-  return count;
-}
-
 // The class that a cell measures.
 std::int32_t class_of(const Cell& cell, const GroupedSystem& structure) {
   if (cell.group_class >= 0) return cell.group_class;
-  const std::vector<std::int32_t> groups = groups_of_classes(structure);
+  const std::vector<ClassSize> sizes = class_sizes(structure);
   std::size_t best = 0;
-  for (std::size_t k = 1; k < groups.size(); ++k) {
-    const std::pair here(groups[k], structure.classes[k].n), there(groups[best], structure.classes[best].n);
+  for (std::size_t k = 1; k < sizes.size(); ++k) {
+    const std::pair here(sizes[k].groups, structure.classes[k].n), there(sizes[best].groups, structure.classes[best].n);
     if (here > there) best = k;
   }
-  if (groups.empty()) throw Error(Error::Kind::input, to_string(cell) + ": nothing in it moves");
+  if (sizes.empty()) throw Error(Error::Kind::input, to_string(cell) + ": nothing in it moves");
   return static_cast<std::int32_t>(best);
 }
 
@@ -98,8 +92,7 @@ class PacksGround final : public Ground {
                           {.strategy = std::string(name(cell.formulation)) + "/lanes:8", .budget = ThreadBudget{1}})) {
     class_ = class_of(cell, *preparation(prepared_).structure);
     const auto k = static_cast<std::size_t>(class_);
-    shape_ =
-        shape_of(preparation(prepared_).structure->classes[k], groups_of_classes(*preparation(prepared_).structure)[k]);
+    shape_ = class_shapes(*preparation(prepared_).structure)[k];
     if (cell.kind == Cell::Kind::together) {
       for (Strategy& s : together_strategies(field, cell.formulation, shape_.groups)) {
         candidates_.push_back({Kernel::pack, std::move(s)});
@@ -152,34 +145,42 @@ class PacksGround final : public Ground {
 class StepsGround final : public Ground {
  public:
   StepsGround(const Cell& cell, const Field& field) : scene_(cell.scene()), budget_(field.budget) {
-    Cell of = cell;
     StructureOptions options;
     options.formulation = cell.formulation;
     const GroupedSystem structure = group_equations(scene_, options);
-    // The class with most operations in all its groups.
-    const std::vector<std::int32_t> groups = groups_of_classes(structure);
-    for (std::size_t k = 0; k < structure.classes.size(); ++k) {
-      const Shape s = shape_of(structure.classes[k], groups[k]);
-      if (s.groups * (s.operations + s.terms) > shape_.groups * (shape_.operations + shape_.terms)) shape_ = s;
+    const std::vector<Shape> shapes = class_shapes(structure);
+    shape_ = shape_of_step(structure, shapes);
+    // Candidates fill the lanes with the class that has most operations in all its groups.
+    const std::vector<ClassSize> sizes = class_sizes(structure);
+    Shape all, level;
+    for (std::size_t k = 0; k < shapes.size(); ++k) {
+      const Shape& s = shapes[k];
+      if (s.groups * (s.operations + s.terms) <= all.groups * (all.operations + all.terms)) continue;
+      all = level = s;
+      level.groups = sizes[k].side_by_side;
     }
     if (shape_.n == 0) throw Error(Error::Kind::input, to_string(cell) + ": nothing in it moves");
+    if (!cell.only.empty()) {
+      for (const Strategy& s : cell.only) candidates_.push_back({Kernel::step, s});
+      return;
+    }
     if (cell.kind == Cell::Kind::around) {
-      const BesideGroups beside = beside_groups(structure, PerformanceModel(), 1);
-      around_ = {.n = static_cast<std::int32_t>(beside.unknowns), .terms = beside.pieces};
+      const AroundCounts around = around_counts(structure);
+      around_ = {.n = static_cast<std::int32_t>(around.unknowns), .terms = around.pieces};
     }
     if (!around_ && structure.levels > 1 && why_not_together(structure).empty()) {
-      for (Strategy& s : together_strategies(field, cell.formulation, shape_.groups)) {
+      for (Strategy& s : together_strategies(field, cell.formulation, all.groups)) {
         candidates_.push_back({Kernel::step, std::move(s)});
       }
     }
-    for (Strategy& s : pack_strategies(field, cell.formulation, shape_, true)) {
+    for (Strategy& s : pack_strategies(field, cell.formulation, level, true)) {
       if (cell.kind == Cell::Kind::around) {
-        if (measures_around(s)) candidates_.push_back({Kernel::step, s});
+        if (measures_around(s, level)) candidates_.push_back({Kernel::step, s});
         continue;
       }
       candidates_.push_back({Kernel::step, s});
-      if (s.solver.once || s.solver.separate || s.solver.reuse != Reuse::fresh || shape_.groups == 1) continue;
-      for (int p = 2; p <= std::min(field.budget.threads, shape_.groups); p *= 2) {
+      if (s.solver.once || s.solver.separate || s.solver.reuse != Reuse::fresh || level.groups == 1) continue;
+      for (int p = 2; p <= std::min(field.budget.threads, level.groups); p *= 2) {
         s.run.threads = p;
         if (field.why_not(s).empty()) candidates_.push_back({Kernel::step, s});
       }
@@ -198,7 +199,10 @@ class StepsGround final : public Ground {
     const std::vector<Shape> shapes = class_shapes(*preparation(prepared).structure);
     for (std::size_t k = 0; k < shapes.size(); ++k) {
       const auto pack = std::make_shared<measure::PackStep>(prepared, static_cast<std::int32_t>(k));
-      Entrant part{Kernel::pack, shapes[k], c.strategy, pack.get(), pack, pack->error().residual(), kNotMeasured};
+      // A class with few groups on a level takes fewer lanes than the strategy says.
+      Strategy own = c.strategy;
+      own.solver.lanes = pack->lanes();
+      Entrant part{Kernel::pack, shapes[k], own, pack.get(), pack, pack->error().residual(), kNotMeasured};
       part.packs_of_step = static_cast<int>(pack->packs());
       out.push_back(std::move(part));
     }
@@ -208,9 +212,9 @@ class StepsGround final : public Ground {
  private:
   // The time of a step beyond its packs does not depend on the solver, but a little on the number of packs. It is
   // measured with the two widest strategies of the fastest backend, which plans mostly use.
-  [[nodiscard]] bool measures_around(const Strategy& s) const {
+  [[nodiscard]] static bool measures_around(const Strategy& s, const Shape& level) {
     return s.solver.backend == "lanes" && !s.solver.once && !s.solver.separate &&
-           4 * s.solver.lanes > std::min(shape_.groups, kMostLanes);
+           4 * s.solver.lanes > std::min(level.groups, kMostLanes);
   }
 
   Scene scene_;

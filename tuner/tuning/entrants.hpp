@@ -27,7 +27,7 @@ struct Entrant {
   std::shared_ptr<void> owner = nullptr;  // owner of `work`
   double backward_error = 0;              // NaN: not measured
   double forward_error = 0;
-  int packs_of_step = 0;  // of a pack: number of such packs in a step of this cell; 0: no part of a step
+  int packs_of_step = 0;  // of a pack: number of such packs in the step that precedes it; 0: no part of a step
   int packs_of_call = 1;  // of a pack: number of packs that a call solves
 };
 

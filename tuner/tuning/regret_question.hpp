@@ -9,22 +9,27 @@
 #include <vector>
 
 #include "assur/performance.hpp"
+#include "assur/plan.hpp"
 #include "measure/race.hpp"
 
-namespace assur::measure {
+namespace assur::tuning {
 
 struct Question {
-  std::string scene;
-  std::vector<std::string> without;  // backends
-  int threads = 1;                   // budget
+  std::string scene;                      // as for a command, or "dyads:N" or "tripods:N" (tuning/mechanisms.hpp)
+  std::vector<std::string> without;       // backends
+  int threads = 1;                        // budget
+  double accuracy = 0;                    // PrepareOptions::accuracy
+  std::vector<std::string> outputs = {};  // empty: those of the scene
+  Mode mode = Mode::latency;              // throughput: whole runs are timed, with their rows
 
   [[nodiscard]] std::string without_text() const;  // "-lanes-klu"; "": all backends
+  [[nodiscard]] std::string text() const;          // scene, and what differs from the defaults except threads
 };
 
 // One plan in the last race of a question.
 struct Finalist {
   std::string strategy;    // class by class if they differ
-  double seconds = 0;      // one step, by paired_medians of the passes
+  double seconds = 0;      // of one step, by paired_medians of the passes
   double spread = 0;       // largest median absolute deviation of all passes, s
   std::size_t rounds = 0;  // timed rounds
   double error = 0;        // largest residual of all its steps
@@ -34,6 +39,7 @@ struct Answer {
   Question question;
   Finalist chosen, best;
   Finalist again;                         // the chosen plan, prepared again and raced against itself
+  Finalist untuned;                       // the choice without any measurement
   double expected_seconds = 0;            // expected time of a step of the chosen plan
   double best_trial_seconds = 0;          // best time in the first race, for comparison with `uniform`
   std::map<std::string, double> uniform;  // seconds of a step, for each strategy that all classes share
@@ -47,7 +53,7 @@ struct QuestionOptions {
   std::shared_ptr<const PerformanceModel> model = nullptr;  // null: the model of this machine
   bool quick = false;                                       // fewer rounds
   double seconds = 4;                                       // largest time of a race; each pass has a part of it
-  Instruments instruments = {};
+  measure::Instruments instruments = {};
 };
 
 inline constexpr int kPasses = 5;  // passes of the last race, if there is time
@@ -82,4 +88,4 @@ class Contest {
 // the median of the last racer. A machine that is slower in one pass changes no ratio. seconds[pass][racer].
 [[nodiscard]] std::vector<double> paired_medians(const std::vector<std::vector<double>>& seconds);
 
-}  // namespace assur::measure
+}  // namespace assur::tuning

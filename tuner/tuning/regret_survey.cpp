@@ -1,8 +1,8 @@
-#include "measure/regret_survey.hpp"
+#include "tuning/regret_survey.hpp"
 
 #include <numeric>
 
-namespace assur::measure {
+namespace assur::tuning {
 
 std::vector<Question> regret_questions(int threads) {
   static const std::vector<std::string> kScenes = {"four_bar:5",
@@ -39,6 +39,61 @@ std::vector<Question> regret_questions(int threads) {
   return all;
 }
 
+std::vector<Question> unlike_questions(int threads) {
+  static const std::vector<std::string> kScenes = {"almost_parallelogram",
+                                                   "bennett",
+                                                   "bricard",
+                                                   "bricard_joints",
+                                                   "delta",
+                                                   "double_wishbone",
+                                                   "excavator",
+                                                   "geared_five_bar",
+                                                   "goldberg",
+                                                   "hexa",
+                                                   "hexapod",
+                                                   "jansen",
+                                                   "jansen:64",
+                                                   "klann",
+                                                   "n_four_bar:7",
+                                                   "parallelograms:5",
+                                                   "peaucellier",
+                                                   "sarrus",
+                                                   "scissor",
+                                                   "scissor:20",
+                                                   "three_rps",
+                                                   "watt",
+                                                   "whitworth",
+                                                   "whitworth_joints",
+                                                   "dyads:7",
+                                                   "dyads:24",
+                                                   "dyads:64",
+                                                   "dyads:128",
+                                                   "tripods:5",
+                                                   "tripods:30",
+                                                   "four_bar:7",
+                                                   "four_bar:150",
+                                                   "stewart:platforms=3",
+                                                   "stewart:platforms=37",
+                                                   "stewart:legs=8,platforms=2",
+                                                   "rings:legs=3,n=46",
+                                                   "rings:legs=9,n=160"};
+  std::vector<Question> all;
+  for (const std::string& scene : kScenes) all.push_back({.scene = scene, .without = {}, .threads = threads});
+  const auto add = [&](Question q) {
+    q.threads = threads;
+    all.push_back(std::move(q));
+  };
+  for (const char* scene : {"four_bar", "dyads:8", "delta", "hexapod"}) {
+    for (const double accuracy : {1e-4, 1e-6, 1e-8}) add({.scene = scene, .without = {}, .accuracy = accuracy});
+  }
+  for (const char* scene : {"four_bar", "four_bar:23", "delta", "double_wishbone", "hexapod", "stewart"}) {
+    add({.scene = scene, .without = {}, .mode = Mode::throughput});
+  }
+  add({.scene = "stewart", .without = {}, .outputs = {"handle1.value"}});
+  add({.scene = "four_bar:23", .without = {}, .outputs = {"C23"}});
+  return all;
+}
+
 std::map<std::string, Constant> constants(std::span<const Answer> answers) {
   std::map<std::string, std::map<std::string, std::vector<double>>> regrets;  // by set, strategy
   std::map<std::string, std::size_t> count;
@@ -61,4 +116,4 @@ std::map<std::string, Constant> constants(std::span<const Answer> answers) {
   return best;
 }
 
-}  // namespace assur::measure
+}  // namespace assur::tuning

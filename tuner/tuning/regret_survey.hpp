@@ -6,13 +6,17 @@
 #include <string>
 #include <vector>
 
-#include "measure/regret_question.hpp"
+#include "tuning/regret_question.hpp"
 
-namespace assur::measure {
+namespace assur::tuning {
 
 // Questions with sizes between those of the tuner, odd numbers of groups, and mixed classes. Each question has three
 // versions: with all backends, without `lanes`, and (except for the largest mechanisms) without `lanes` and `klu`.
 [[nodiscard]] std::vector<Question> regret_questions(int threads);
+
+// Mechanisms as people bring them, none of which the tuner measures: those that come with assur, with joints, gears,
+// limits and redundant equations; many small groups; few and many outputs, inexact motions, and both modes.
+[[nodiscard]] std::vector<Question> unlike_questions(int threads);
 
 // The best constant strategy for all questions of one set of backends, as a user would choose it by hand: the strategy
 // with the smallest mean regret among those that ran in all questions.
@@ -23,4 +27,4 @@ struct Constant {
 [[nodiscard]] std::map<std::string, Constant> constants(
     std::span<const Answer> answers);  // by Question::without_text()
 
-}  // namespace assur::measure
+}  // namespace assur::tuning

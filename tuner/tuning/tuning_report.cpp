@@ -69,6 +69,20 @@ std::string crossovers(std::span<const Winner> family) {
   return text;
 }
 
+void print_proofs(Page& page, const std::vector<tuning::Proof>& proofs) {
+  if (proofs.empty()) return;
+  using enum Table::Align;
+  page.gap();
+  page.fact("proof", "whole steps of mechanisms that the model has no samples of, one thread");
+  Table table({left, left, right, right, right, left});
+  table.row({"mechanism", "expected to be fastest", "step", "/expected", "regret", "fastest"});
+  for (const tuning::Proof& p : proofs) {
+    table.row({p.scene, p.chosen, duration(p.seconds), fixed(p.seconds / p.expected_seconds),
+               number(std::round(100 * p.regret())) + " %", p.regret() > 0 ? p.fastest : ""});
+  }
+  page.table(table);
+}
+
 }  // namespace
 
 std::vector<Winner> winners(std::span<const CellResult> cells) {
@@ -87,7 +101,7 @@ std::vector<Winner> winners(std::span<const CellResult> cells) {
         add(Kernel::pack, cell.cell.groups);
         break;
       case Cell::Kind::steps:
-        add(Kernel::step, 0);
+        if (cell.cell.only.empty()) add(Kernel::step, 0);
         break;
       case Cell::Kind::around:
       case Cell::Kind::crowd:
@@ -108,6 +122,7 @@ void print(Page& page, const TuningSummary& s) {
                         duration(s.seconds) + "; " + count(s.figures.planned) + " planned";
   if (s.figures.passes > 1) samples += ", each measured up to " + count(s.figures.passes) + " times";
   if (s.figures.cut_short > 0) samples += ", " + count(s.figures.cut_short) + " cut short";
+  samples += "; timed calls took " + duration(s.figures.race.timed);
   if (s.figures.earlier > 0) samples += ", " + count(s.figures.earlier) + " from the interrupted run";
   page.fact("samples", samples);
   if (s.figures.interrupted) {
@@ -126,6 +141,8 @@ void print(Page& page, const TuningSummary& s) {
   std::vector<std::string> failures = s.figures.failures;
   if (failures.size() > kMostFailures) failures.resize(kMostFailures);
   page.list("not measured", failures);
+
+  print_proofs(page, s.proofs);
 
   page.gap();
   const std::vector<Winner> all = winners(s.cells);
@@ -148,6 +165,16 @@ Json to_json(const TuningSummary& s) {
                     {"strategy", w.strategy},
                     {"seconds", w.seconds}});
   }
+  Json proofs = Json::array();
+  for (const tuning::Proof& p : s.proofs) {
+    proofs.push_back({{"scene", p.scene},
+                      {"strategy", p.chosen},
+                      {"seconds", p.seconds},
+                      {"expected_seconds", p.expected_seconds},
+                      {"fastest", p.fastest},
+                      {"fastest_seconds", p.fastest_seconds},
+                      {"regret", p.regret()}});
+  }
   Json failed = Json::array();
   for (const auto& [backend, why] : s.failed) failed.push_back({{"backend", backend}, {"why_not", why}});
   const bool judged = s.regret.questions > 0;
@@ -159,6 +186,7 @@ Json to_json(const TuningSummary& s) {
           {"samples", s.figures.samples},
           {"passes", s.figures.passes},
           {"seconds", s.seconds},
+          {"timed_seconds", s.figures.race.timed},
           {"coverage", s.figures.coverage()},
           {"cells",
            {{"planned", s.figures.planned},
@@ -169,6 +197,7 @@ Json to_json(const TuningSummary& s) {
            {{"median", or_null(judged, s.regret.median)},
             {"p95", or_null(judged, s.regret.p95)},
             {"max", or_null(judged, s.regret.max)}}},
+          {"proof", std::move(proofs)},
           {"interrupted", s.figures.interrupted},
           {"left_out", std::move(failed)},
           {"not_measured", s.figures.failures},

@@ -13,6 +13,7 @@
 #include "output/page.hpp"
 #include "tuning/campaign.hpp"
 #include "tuning/held_out.hpp"
+#include "tuning/proof.hpp"
 
 namespace assur::output {
 
@@ -25,6 +26,7 @@ struct TuningSummary {
   double seconds = 0;
   tuning::CampaignFigures figures;
   tuning::Regret regret;
+  std::vector<tuning::Proof> proofs;
   std::map<std::string, std::string> failed;  // backends that failed their trial, with the reason
   std::span<const tuning::CellResult> cells;
 };
