@@ -103,10 +103,14 @@ TEST(Gpu, CheckRunsIt) {
 TEST(Gpu, TheTunerMeasuresItAndTheDispatcherWeighsIt) {
   const Scratch scratch;
   const std::string file = scratch.file("tuning.db"), scene = "rings:legs=2,n=240,terminal=12";
+  const std::string unknown = "it was not measured on this machine; assur tune measures it where there is a GPU";
   const Setting works = stand_in("works");
-  const Outcome tuned = run_tuning(10, {"--scene", scene, "--db", file, "--quiet", "--json"}, works);
-  ASSERT_EQ(tuned.status, 0) << tuned.err;
-  EXPECT_EQ(tuned.json()["left_out"], nlohmann::json::array());
+  const auto tune = [&](int seconds) {
+    const Outcome tuned = run_tuning(seconds, {"--scene", scene, "--db", file, "--quiet", "--json"}, works);
+    ASSERT_EQ(tuned.status, 0) << tuned.err;
+    EXPECT_EQ(tuned.json()["left_out"], nlohmann::json::array());
+  };
+  tune(10);
   std::set<std::string> measured;
   for (const Sample& s : db::Store(file, db::Access::read).samples()) measured.insert(s.strategy.solver.backend);
   EXPECT_EQ(measured.count("cusolver") + measured.count("magma"), 2u);
@@ -126,10 +130,11 @@ TEST(Gpu, TheTunerMeasuresItAndTheDispatcherWeighsIt) {
     }
     return said;
   };
+  // A busy machine needs more time until it comes to every class.
+  for (int seconds = 20; seconds <= 160 && offered(scene, true, works) == unknown; seconds *= 2) tune(seconds);
   const std::set<std::string> origins = {"measured", "interpolated", "extrapolated"};  // by the load of the machine
   EXPECT_EQ(origins.count(offered(scene, true, works)), 1u);
   EXPECT_EQ(offered("stewart", true, works), "a GPU is considered from 100 unknowns on");
-  const std::string unknown = "it was not measured on this machine; assur tune measures it where there is a GPU";
   EXPECT_EQ(offered(scene, false, works), unknown);
   EXPECT_EQ(offered(scene, true, stand_in("no_device")), unknown);  // samples of another device do not count
 }

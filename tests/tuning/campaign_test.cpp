@@ -338,16 +338,16 @@ TEST_F(CampaignTest, UsesTheMedianOfSeveralPasses) {
 TEST(History, FindsHopelessCandidatesFromTwoSmallerSizes) {
   const Candidate candidate{Kernel::factor, parse_strategy("groups/eigen")};
   History history;
-  EXPECT_EQ(history.hopeless("rings", candidate, 100, 1), "");
+  EXPECT_EQ(history.hopeless("rings", candidate, 100, 1, 1), "");
   history.note("rings", candidate, {10, 25e-6, 1e-6, 0});
-  EXPECT_EQ(history.hopeless("rings", candidate, 100, 1), "");
+  EXPECT_EQ(history.hopeless("rings", candidate, 100, 1, 1), "");
   history.note("rings", candidate, {20, 70e-6, 2e-6, 0});
-  EXPECT_EQ(history.hopeless("rings", candidate, 40, 1), "far behind at smaller sizes");
-  EXPECT_EQ(history.hopeless("rings", candidate, 15, 1), "");  // only one smaller size is known
-  EXPECT_EQ(history.hopeless("full", candidate, 40, 1), "");   // another family
+  EXPECT_EQ(history.hopeless("rings", candidate, 40, 1, 1), "far behind at smaller sizes");
+  EXPECT_EQ(history.hopeless("rings", candidate, 15, 1, 1), "");  // only one smaller size is known
+  EXPECT_EQ(history.hopeless("full", candidate, 40, 1, 1), "");   // another family
   history.note("full", candidate, {10, 25e-6, 1e-6, 0});
   history.note("full", candidate, {20, 48e-6, 2e-6, 0});
-  EXPECT_EQ(history.hopeless("full", candidate, 40, 1), "");  // the candidate catches up
+  EXPECT_EQ(history.hopeless("full", candidate, 40, 1, 1), "");  // the candidate catches up
 }
 
 TEST(History, FindsCandidatesThatTakeTooLong) {
@@ -355,9 +355,31 @@ TEST(History, FindsCandidatesThatTakeTooLong) {
   History history;
   history.note("full", candidate, {50, 1e-3, 1e-3, 0.001});
   history.note("full", candidate, {100, 8e-3, 8e-3, 0.01});
-  EXPECT_EQ(history.hopeless("full", candidate, 200, 0.2), "");  // a call takes 64 ms, its analysis 80 ms
-  EXPECT_EQ(history.hopeless("full", candidate, 200, 0.07), "its analysis takes too long");
-  EXPECT_EQ(history.hopeless("full", candidate, 200, 0.05), "one call takes too long");
+  EXPECT_EQ(history.hopeless("full", candidate, 200, 1, 0.2), "");  // a call takes 64 ms, its analysis 80 ms
+  EXPECT_EQ(history.hopeless("full", candidate, 200, 1, 0.07), "its analysis takes too long");
+  EXPECT_EQ(history.hopeless("full", candidate, 200, 1, 0.05), "one call takes too long");
+  EXPECT_EQ(history.hopeless("full", candidate, 100, 19, 0.2), "");
+  EXPECT_EQ(history.hopeless("full", candidate, 100, 21, 0.2), "its analysis takes too long");  // of all groups
+}
+
+TEST(History, KnowsSetupsOfCandidatesThatWereNotTimed) {
+  const Candidate candidate{Kernel::pack, parse_strategy("groups/team+once")};
+  History history;
+  history.note("rings", candidate, {240, 1e-3, 1e-3, 0.01});
+  history.note("rings", candidate, {720, std::numeric_limits<double>::infinity(), 1e-2, 0.27});
+  EXPECT_EQ(history.hopeless("rings", candidate, 2000, 1, 6), "");
+  EXPECT_EQ(history.hopeless("rings", candidate, 2000, 8, 6), "its analysis takes too long");
+}
+
+TEST(History, ExpectsVariantsToBeAnalysedLikeTheirBackend) {
+  const Candidate plain{Kernel::pack, parse_strategy("groups/team")};
+  const Candidate variant{Kernel::pack, parse_strategy("groups/team:4+once")};
+  History history;
+  history.note("rings", plain, {240, 1e-3, 1e-3, 0.01});
+  history.note("rings", plain, {720, 27e-3, 27e-3, 0.27});
+  EXPECT_EQ(history.hopeless("rings", variant, 2000, 1, 6), "");
+  EXPECT_EQ(history.hopeless("rings", variant, 2000, 8, 6), "its analysis takes too long");
+  EXPECT_EQ(history.hopeless("rings", variant, 2000, 1, 0.6), "its analysis takes too long");
 }
 
 }  // namespace

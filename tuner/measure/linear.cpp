@@ -7,6 +7,7 @@
 
 #include "backends/refined.hpp"
 #include "decimal.hpp"
+#include "index.hpp"
 
 namespace assur::measure {
 namespace {
@@ -91,39 +92,32 @@ void Linear::verify(const Matrices& matrices) {
   }
 }
 
-// Checks one set of values. Products in long double: their rounding is far below the errors of the solver.
+// Checks one set of values. Products in long double: their rounding is far below the errors of the solver. All arrays
+// have the lanes side by side.
 bool Linear::check(const Matrices& matrices, const std::vector<double>& values) {
   const Pattern& p = matrices.pattern;
-  const std::size_t w = static_cast<std::size_t>(lanes_), n = static_cast<std::size_t>(p.n);
-  const auto add_product = [&](const auto& x, auto& sum, auto& row_sums, std::size_t lane) {
-    for (std::size_t c = 0; c < n; ++c) {
-      for (auto k = static_cast<std::size_t>(p.column_start[c]); k < static_cast<std::size_t>(p.column_start[c + 1]);
-           ++k) {
-        const auto row = static_cast<std::size_t>(p.row[k]);
-        sum[row] += static_cast<long double>(values[k * w + lane]) * x[c * w + lane];
-        row_sums[row] += std::abs(values[k * w + lane]);
-      }
+  const std::size_t w = static_cast<std::size_t>(lanes_), size = idx(p.n) * w;
+  const auto for_entries = [&](const auto& work) {
+    for (std::size_t c = 0; c < idx(p.n); ++c) {
+      for (auto k = idx(p.column_start[c]); k < idx(p.column_start[c + 1]); ++k) work(k * w, idx(p.row[k]) * w, c * w);
     }
   };
-  const auto largest = [&](const auto& v) {
-    long double most = 0;
-    for (const auto element : v) {
-      const long double size = std::abs(static_cast<long double>(element));
-      if (!(size <= most)) most = size;
-    }
-    return most;
+  const auto add_product = [&](const std::vector<double>& x, std::vector<long double>& sum) {
+    for_entries([&](std::size_t value, std::size_t row, std::size_t column) {
+      for (std::size_t lane = 0; lane < w; ++lane) {
+        sum[row + lane] += static_cast<long double>(values[value + lane]) * x[column + lane];
+      }
+    });
   };
 
   std::mt19937_64 random(11);
-  std::vector<double> reference(n * w);
+  std::vector<double> reference(size);
   for (double& x : reference) {
     x = std::uniform_real_distribution<double>(0.5, 1)(random) * (random() % 2 == 0 ? 1 : -1);
   }
-  for (std::size_t lane = 0; lane < w; ++lane) {
-    std::vector<long double> b(n), unused(n);
-    add_product(reference, b, unused, lane);
-    for (std::size_t i = 0; i < n; ++i) right_[i * w + lane] = static_cast<double>(b[i]);
-  }
+  std::vector<long double> products(size);
+  add_product(reference, products);
+  std::copy(products.begin(), products.end(), right_.begin());
   x_ = right_;
   Status status = solver_->factorize(values);
   if (status.ok()) status = solver_->solve(x_, 1);
@@ -131,17 +125,27 @@ bool Linear::check(const Matrices& matrices, const std::vector<double>& values) 
     refused_ = "its status is " + std::string(name(status.code));
     return false;
   }
+  std::vector<double> row_sums(size), off(size);
+  std::vector<long double> residual(size);
+  for (std::size_t i = 0; i < size; ++i) {
+    residual[i] = -static_cast<long double>(right_[i]);
+    off[i] = x_[i] - reference[i];
+  }
+  add_product(x_, residual);
+  for_entries([&](std::size_t value, std::size_t row, std::size_t) {
+    for (std::size_t lane = 0; lane < w; ++lane) row_sums[row + lane] += std::abs(values[value + lane]);
+  });
   for (std::size_t lane = 0; lane < w; ++lane) {
-    std::vector<long double> residual(n), row_sums(n), x(n), off(n);
-    for (std::size_t i = 0; i < n; ++i) {
-      residual[i] = -static_cast<long double>(right_[i * w + lane]);
-      x[i] = x_[i * w + lane];
-      off[i] = x[i] - reference[i * w + lane];
-    }
-    const long double b = largest(residual);
-    add_product(x_, residual, row_sums, lane);
-    const auto backward = static_cast<double>(largest(residual) / (largest(row_sums) * largest(x) + b));
-    const auto forward = static_cast<double>(largest(off) / largest(reference));
+    const auto largest = [&](const auto& v) {
+      double most = 0;
+      for (std::size_t i = lane; i < size; i += w) {
+        const auto here = static_cast<double>(std::abs(v[i]));
+        if (!(here <= most)) most = here;
+      }
+      return most;
+    };
+    const double backward = largest(residual) / (largest(row_sums) * largest(x_) + largest(right_));
+    const double forward = largest(off) / largest(reference);
     if (!(backward <= backward_)) backward_ = backward;
     if (!(forward <= forward_)) forward_ = forward;
   }

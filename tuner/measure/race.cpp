@@ -17,6 +17,7 @@ namespace assur::measure {
 namespace {
 constexpr int kMostCalls = 1 << 20;   // in a block, for work that takes no time
 constexpr double kShort = 1e-3;       // s; a longer block warms the caches by itself
+constexpr double kReady = 4;          // a block takes at least this many times as long as getting ready for it
 constexpr double kPrecise = 0.005;    // relative difference of two medians that is too small to matter
 constexpr double kMoment = 1e-3;      // s for which a measured slowness of the machine is valid
 constexpr double kUneven = 1.3;       // cores differ if one takes this many times as long as another
@@ -74,7 +75,11 @@ class Race {
     double begin = 0, end = 0;
     bool ok = false;
     try {
-      if (r.calls == 1 || r.calls * per_call_[&r].seconds < kShort) r.work->get_ready(r.calls);
+      if (r.calls * per_call_[&r].seconds < kShort) {
+        const double start = with_.clock();
+        r.work->get_ready(r.calls);
+        ready_ = with_.clock() - start;
+      }
       const std::int64_t switches = with_.switches(r.threads);
       begin = with_.clock();
       ok = r.work->run(r.calls);
@@ -122,7 +127,8 @@ class Race {
     }
   }
 
-  // Doubles the calls until a block is long enough for the clock. A long call is already a round.
+  // Doubles the calls until a block is long enough for the clock and worth its warming up. A long call is already a
+  // round.
   void find_block(Runner& r) {
     if (over()) return;
     for (r.calls = 1;; r.calls *= 2) {
@@ -130,7 +136,7 @@ class Race {
       if (seconds < 0) return;
       if (seconds >= kLargeShare * rules_.seconds) r.hopeless = true;
       if (seconds >= kShort) keep(r);
-      if (seconds >= rules_.block || r.calls >= kMostCalls) return;
+      if (seconds >= std::max(rules_.block, std::min(kReady * ready_, kShort)) || r.calls >= kMostCalls) return;
     }
   }
 
@@ -218,6 +224,7 @@ class Race {
   std::map<const Runner*, Call> per_call_;  // times of the last block
   std::vector<double> slowness_;            // measured so far
   double asked_ = 0;                        // s, time of the last measurement of the slowness
+  double ready_ = 0;                        // s that the last workload took to get ready
   bool switched_ = false;                   // the system interrupted the last block
   RaceFigures figures_;
 };

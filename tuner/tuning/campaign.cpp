@@ -8,23 +8,33 @@
 
 #include "assur/status.hpp"
 #include "dispatch/pace.hpp"
+#include "dispatch/prior.hpp"
+#include "index.hpp"
 #include "numbers.hpp"
 
 namespace assur::tuning {
 namespace {
 
-constexpr double kSetupShare = 0.5;    // share of a cell's time, after which no more candidates are set up
-constexpr double kCrowdBlock = 1e-3;   // s; long compared with the two meetings of the threads in each block
-constexpr int kLeastBlocks = 3;        // the fewest whose median and scatter mean something
-constexpr double kMostlyUneven = 0.9;  // share of the blocks of several threads
+constexpr double kSetupShare = 0.5;     // share of a cell's time, after which no more candidates are set up
+constexpr double kCrowdBlock = 1e-3;    // s; long compared with the two meetings of the threads in each block
+constexpr double kLongestBlock = 5e-4;  // s; other programs interrupt longer ones too often
+constexpr int kLeastBlocks = 3;         // the fewest whose median and scatter mean something
+constexpr double kMostlyUneven = 0.9;   // share of the blocks of several threads
 constexpr std::int64_t kEnoughShared = 20;
 constexpr double kMostScatter = 0.5;   // relative spread above which a time of Kernel::around is discarded
+constexpr double kSetupCalls = 4;      // of each group, in a setup
 constexpr double kLargestShare = 0.2;  // share of a cell's time: most that the setup of one candidate may take
 
 // An error of store(): ends the run, whereas other errors only end a cell.
 struct CannotStore {
   Error why;
 };
+
+// Time of the setup of a candidate, s, by the prior: it solves all groups a few times. 0 for whole steps and meetings.
+double setup_without_samples(const Candidate& c, const Shape& shape, int groups) {
+  if (c.kernel != Kernel::factor && c.kernel != Kernel::pack) return 0;
+  return kSetupCalls * prior_seconds(c.kernel, shape, c.strategy) * groups / c.strategy.solver.lanes;
+}
 
 double per_lane(const Sample& s) {
   return s.seconds / (s.kernel == Kernel::step || s.kernel == Kernel::around ? 1 : s.strategy.solver.lanes);
@@ -199,7 +209,10 @@ CellResult Campaign::measure_cell(const Cell& cell, Ground& ground, double secon
       out.cut_short = true;
       break;
     }
-    const std::string hopeless = history_.hopeless(cell.family, candidate, ground.shape().n, kLargestShare * seconds);
+    const std::string hopeless =
+        setup_without_samples(candidate, ground.shape(), cell.groups) > seconds
+            ? "its analysis is expected to take too long"
+            : history_.hopeless(cell.family, candidate, ground.shape().n, cell.groups, kLargestShare * seconds);
     if (!hopeless.empty()) {
       out.refused.push_back({candidate, hopeless});
       continue;
@@ -230,7 +243,11 @@ CellResult Campaign::measure_cell(const Cell& cell, Ground& ground, double secon
   }
   measure::RaceRules rules = options_.race;
   rules.seconds = end - instruments_.clock();
-  if (cell.kind == Cell::Kind::crowd) rules.block = kCrowdBlock;
+  rules.block = cell.kind == Cell::Kind::crowd
+                    ? kCrowdBlock
+                    : std::clamp(rules.seconds / static_cast<double>(2 * std::max<std::size_t>(runners.size(), 1) *
+                                                                     idx(rules.least_rounds)),
+                                 rules.block, kLongestBlock);
   rules.least_blocks = kLeastBlocks;
   // Many cores may never have the same pace.
   const measure::RaceFigures& so_far = figures_.race;
@@ -285,7 +302,8 @@ void Campaign::note(const CellResult& result, double n, const std::vector<std::p
         leader = std::min(leader, per_lane(r.sample));
       if (r.sample.strategy == candidate.strategy) own = &r.sample;
     }
-    if (own != nullptr) history_.note(result.cell.family, candidate, {n, per_lane(*own), leader, setup});
+    history_.note(result.cell.family, candidate,
+                  {n, own != nullptr ? per_lane(*own) : kInfinity, leader, setup / result.cell.groups});
   }
 }
 

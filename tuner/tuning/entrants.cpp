@@ -192,7 +192,7 @@ class StepsGround final : public Ground {
     options.strategy = to_string(c.strategy);
     options.budget = budget_;
     const Prepared prepared = prepare(scene_, options);
-    const auto step = std::make_shared<measure::StepWorkload>(prepared);
+    const auto step = std::make_shared<measure::StepWorkload>(prepared, this_machine().cores);
     std::vector<Entrant> out = {
         {Kernel::step, shape_, c.strategy, step.get(), step, step->report().error.residual(), kNotMeasured}};
     if (!around_) return out;

@@ -7,6 +7,7 @@ namespace assur::tuning {
 namespace {
 
 constexpr double kFarBehind = 20;  // times as slow as the leader
+constexpr const char* kLongAnalysis = "its analysis takes too long";
 
 std::string key(const std::string& family, const Candidate& candidate) {
   return family + '/' + std::string(name(candidate.kernel)) + '/' + to_string(candidate.strategy);
@@ -31,19 +32,37 @@ void History::note(const std::string& family, const Candidate& candidate, const 
   }
 }
 
-std::string History::hopeless(const std::string& family, const Candidate& candidate, double n, double seconds) const {
-  const auto found = entries_.find(key(family, candidate));
+std::string History::hopeless(const std::string& family, const Candidate& candidate, double n, double groups,
+                              double seconds) const {
+  const std::string own = why_hopeless(key(family, candidate), n, groups, seconds);
+  if (!own.empty()) return own;
+  // Its variants do not make the analysis of a backend shorter, and may be new at this size.
+  Candidate plain = candidate;
+  plain.strategy.solver = SolverSettings{.backend = candidate.strategy.solver.backend};
+  const std::string of_plain = why_hopeless(key(family, plain), n, groups, seconds);
+  return of_plain == kLongAnalysis ? of_plain : "";
+}
+
+std::string History::why_hopeless(const std::string& key, double n, double groups, double seconds) const {
+  const auto found = entries_.find(key);
   if (found == entries_.end()) return "";
-  std::vector<CandidateTimes> smaller;
+  std::vector<CandidateTimes> smaller, timed;
   for (const CandidateTimes& e : found->second) {
-    if (e.n < n) smaller.push_back(e);
+    if (e.n == n && e.setup * groups > seconds) return kLongAnalysis;
+    if (e.n >= n) continue;
+    smaller.push_back(e);
+    if (std::isfinite(e.seconds)) timed.push_back(e);
   }
-  if (smaller.size() < 2) return "";
-  const CandidateTimes &a = smaller[smaller.size() - 2], &b = smaller.back();
-  const double behind_a = a.seconds / a.leader, behind_b = b.seconds / b.leader;
-  if (behind_a > kFarBehind && behind_b > kFarBehind && behind_b > behind_a) return "far behind at smaller sizes";
-  if (extended(n, a.n, a.seconds, b.n, b.seconds) > seconds) return "one call takes too long";
-  if (extended(n, a.n, a.setup, b.n, b.setup) > seconds) return "its analysis takes too long";
+  if (timed.size() >= 2) {
+    const CandidateTimes &a = timed[timed.size() - 2], &b = timed.back();
+    const double behind_a = a.seconds / a.leader, behind_b = b.seconds / b.leader;
+    if (behind_a > kFarBehind && behind_b > kFarBehind && behind_b > behind_a) return "far behind at smaller sizes";
+    if (extended(n, a.n, a.seconds, b.n, b.seconds) > seconds) return "one call takes too long";
+  }
+  if (smaller.size() >= 2) {
+    const CandidateTimes &a = smaller[smaller.size() - 2], &b = smaller.back();
+    if (groups * extended(n, a.n, a.setup, b.n, b.setup) > seconds) return kLongAnalysis;
+  }
   return "";
 }
 

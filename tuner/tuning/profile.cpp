@@ -16,7 +16,10 @@ Extent extent_for(double seconds) {
   if (seconds < 5) return {.sizes = 3, .largest = 100, .largest_full = 50, .largest_random = 50, .most_groups = 10};
   if (seconds < 25)
     return {.sizes = 7, .largest = 1000, .largest_full = 200, .largest_random = 150, .most_groups = 100};
-  if (seconds < 150) return e;
+  if (seconds < 150) {
+    e.most_groups = 1000;
+    return e;
+  }
   e.sizes = 24;
   e.largest_full = 1600;
   e.largest_random = 500;
