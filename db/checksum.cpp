@@ -45,7 +45,7 @@ Checksum& Checksum::operator<<(double number) {
 std::uint64_t checksum(const Shape& s) {
   Checksum sum;
   sum << std::int64_t{s.n} << std::int64_t{s.nnz} << std::int64_t{s.groups} << std::int64_t{s.rhs} << s.fill
-      << s.operations << s.depth << s.terms << static_cast<std::int64_t>(s.pattern);
+      << s.operations << s.depth << s.terms << static_cast<std::int64_t>(s.pattern) << std::int64_t{s.one_program};
   return sum.value();
 }
 

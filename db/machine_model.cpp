@@ -29,7 +29,9 @@ struct Source {
 
 class Reading {
  public:
-  Reading(const Host& host, const LibraryAtHand& at_hand) : host_(host), at_hand_(at_hand) {}
+  // fingerprint: its beginning; "": that of the host
+  Reading(const Host& host, const LibraryAtHand& at_hand, std::string fingerprint = {})
+      : host_(host), at_hand_(at_hand), elsewhere_(std::move(fingerprint)) {}
 
   void open(const DatabaseFile& file);
   MachineModel finish();
@@ -38,6 +40,7 @@ class Reading {
   bool take_level(Likeness level);
   std::vector<Sample> samples_of(Source& source, std::int64_t machine);
   void add(std::vector<Sample> found);
+  [[nodiscard]] Likeness likeness_of(const Host& host) const;
   void say_source(const Source& source, std::int64_t machine, Likeness level);
   bool is_at_hand(const Library& library);  // if not, changes_ says why
   void say_counts();
@@ -46,6 +49,7 @@ class Reading {
 
   const Host& host_;
   const LibraryAtHand& at_hand_;
+  const std::string elsewhere_;  // fingerprint of the machine that is asked for; "": this one
   std::vector<Source> sources_;
   std::vector<Sample> samples_;
   std::unordered_set<std::string> uids_;  // of samples_, if there are several files
@@ -68,7 +72,7 @@ void Reading::open(const DatabaseFile& file) {
       database.exec("PRAGMA cache_size = 16; BEGIN");
       Source source{file.file, std::move(database), {}, {}};
       source.tables = read_tables(source.database);
-      for (const auto& [id, host] : source.tables.machines) source.machines.emplace_back(likeness(host_, host), id);
+      for (const auto& [id, host] : source.tables.machines) source.machines.emplace_back(likeness_of(host), id);
       std::sort(source.machines.begin(), source.machines.end(), [&](const auto& a, const auto& b) {
         const auto rank = [&](const auto& m) {
           return std::tuple(m.first, difference_in_cores(host_, source.tables.machines.at(m.second)), -m.second);
@@ -82,7 +86,13 @@ void Reading::open(const DatabaseFile& file) {
   }
 }
 
+Likeness Reading::likeness_of(const Host& host) const {
+  if (elsewhere_.empty()) return likeness(host_, host);
+  return host.fingerprint().starts_with(elsewhere_) ? Likeness::same : Likeness::none;
+}
+
 bool Reading::is_at_hand(const Library& library) {
+  if (!elsewhere_.empty()) return true;
   const Library now = at_hand_(library.name);
   if (library == now) return true;
   changes_.insert(now.version.empty() ? library.name + " is not available"
@@ -155,6 +165,8 @@ void Reading::add(std::vector<Sample> found) {
 void Reading::say_source(const Source& source, std::int64_t machine, Likeness level) {
   if (!source_.empty()) {
     source_ += " and " + source.file.string();
+  } else if (!elsewhere_.empty()) {
+    source_ = "measured on " + to_string(source.tables.machines.at(machine)) + ": " + source.file.string();
   } else if (level == Likeness::same) {
     source_ = "measured on this machine: " + source.file.string();
   } else {
@@ -191,7 +203,7 @@ void Reading::say_nothing_fits() {
 MachineModel Reading::finish() {
   const bool found =
       take_level(Likeness::same) || take_level(Likeness::processor) || take_level(Likeness::microarchitecture);
-  if (!found) say_nothing_fits();
+  if (!found && elsewhere_.empty()) say_nothing_fits();
   say_counts();
   return {std::make_shared<const PerformanceModel>(std::move(samples_), std::move(source_)), std::move(messages_)};
 }
@@ -201,6 +213,14 @@ MachineModel Reading::finish() {
 MachineModel read_machine_model(std::span<const DatabaseFile> files, const Host& host,
                                 const LibraryAtHand& library_at_hand) {
   Reading reading(host, library_at_hand);
+  for (const DatabaseFile& file : files) reading.open(file);
+  return reading.finish();
+}
+
+MachineModel read_model_of(std::span<const DatabaseFile> files, const std::string& fingerprint) {
+  const Host any;
+  const LibraryAtHand none;
+  Reading reading(any, none, fingerprint);
   for (const DatabaseFile& file : files) reading.open(file);
   return reading.finish();
 }

@@ -17,5 +17,8 @@ namespace assur::db {
 // Never writes.
 [[nodiscard]] MachineModel read_machine_model(std::span<const DatabaseFile> files, const Host& host,
                                               const LibraryAtHand& library_at_hand);
+// The model of another machine, from all samples of the machine whose fingerprint begins like this, of whatever version
+// of their libraries. Without samples if no file has this machine.
+[[nodiscard]] MachineModel read_model_of(std::span<const DatabaseFile> files, const std::string& fingerprint);
 
 }  // namespace assur::db

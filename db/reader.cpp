@@ -144,6 +144,7 @@ Shape shape_of(const QueryRows& row) {
   s.terms = row.int64(8);
   // damaged, so its checksum must differ
   if (!parse_hexadecimal(row.text(9), s.pattern)) s.pattern = ~s.pattern;
+  s.one_program = row.int64(10) != 0;
   return s;
 }
 
@@ -290,7 +291,7 @@ Tables read_tables(SQLite::Database& database) {
     const std::uint64_t sum = sum_of(library);
     tables.libraries.emplace(row.int64(0), Checked<Library>{std::move(library), sum});
   });
-  each(database, "SELECT id, n, nnz, groups, rhs, fill, operations, depth, terms, pattern FROM shape",
+  each(database, "SELECT id, n, nnz, groups, rhs, fill, operations, depth, terms, pattern, one_program FROM shape",
        [&](const QueryRows& row) {
          const Shape shape = shape_of(row);
          tables.shapes.emplace(row.int64(0), Checked<Shape>{shape, checksum(shape)});

@@ -57,7 +57,8 @@ CREATE TABLE shape (                 -- sizes of a group or matrix: the members 
   depth INTEGER NOT NULL,            -- longest chain of rows that wait for each other in a solution
   terms INTEGER NOT NULL,            -- number of terms of the equations; 0: a bare matrix
   pattern TEXT NOT NULL,             -- 16 hexadecimal digits, different for different patterns
-  UNIQUE (n, nnz, groups, rhs, fill, operations, depth, terms, pattern)
+  one_program INTEGER NOT NULL,      -- 1: the step of a group can be one program
+  UNIQUE (n, nnz, groups, rhs, fill, operations, depth, terms, pattern, one_program)
 ) STRICT;
 
 CREATE TABLE strategy (

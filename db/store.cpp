@@ -61,7 +61,8 @@ bool fits(const Filter& filter, const SampleRow& row, const Tables& tables) {
   return (!filter.run || *filter.run == row.run) &&
          tables.runs.at(row.run).value.run.machine.starts_with(filter.machine) &&
          (filter.library.empty() || tables.libraries.at(row.library).value.name == filter.library) &&
-         (!filter.kernel || *filter.kernel == row.sample.kernel);
+         (!filter.kernel || *filter.kernel == row.sample.kernel) && (!filter.n || *filter.n == row.sample.shape.n) &&
+         (filter.strategy.empty() || to_string(row.sample.strategy).find(filter.strategy) != std::string::npos);
 }
 
 std::vector<Sample> Store::samples(const Filter& filter) const {

@@ -57,6 +57,8 @@ struct Filter {
   std::string machine = {};              // fingerprint, or its beginning
   std::string library = {};              // name: of a backend, or "assur"
   std::optional<Kernel> kernel = {};
+  std::string strategy = {};           // part of its text
+  std::optional<std::int32_t> n = {};  // unknowns
 };
 
 using Value = std::variant<std::monostate, std::int64_t, double, std::string>;  // monostate: unknown
@@ -120,8 +122,8 @@ class Store {
   void put_model(const Host& host, std::string_view name, std::string_view json);
   [[nodiscard]] std::optional<std::string> model(const Host& host, std::string_view name) const;
 
-  // Tables for people. Seconds of best() and crossovers() are those of one instance. Filter::run and library select
-  // samples only.
+  // Tables for people. Seconds of best() and crossovers() are those of one instance. Filter::run, library, strategy
+  // and n select samples only.
   [[nodiscard]] Answer sample_rows(const Filter& filter = {}) const;
   [[nodiscard]] Answer best(const Filter& filter = {}) const;
   [[nodiscard]] Answer crossovers(const Filter& filter = {}) const;
@@ -131,7 +133,7 @@ class Store {
   [[nodiscard]] Counts counts(const std::string& machine = {}) const;
 
   // Deletes the selected samples, then runs and other rows that no sample refers to. Throws Error (input) for an empty
-  // filter; use forget_all().
+  // filter, use forget_all(), and for one with a strategy or n.
   Forgotten forget(const Filter& filter);
   Forgotten forget_all();
 

@@ -58,6 +58,8 @@ Imported copy(const Contents& contents, SQLite::Database& target) {
 }  // namespace
 
 Forgotten Store::forget(const Filter& filter) {
+  if (filter.n || !filter.strategy.empty())
+    throw Error(Error::Kind::input, "forget() does not select samples by strategy or unknowns");
   if (!filter.run && filter.machine.empty() && filter.library.empty() && !filter.kernel) {
     throw Error(Error::Kind::input, "say which samples to forget: name a run, a machine, a library or a kernel");
   }

@@ -63,10 +63,10 @@ std::int64_t Writer::run(const RunRow& row, std::int64_t machine) {
 
 std::int64_t Writer::shape(const Shape& s) {
   static constexpr const char* kInsert =
-      "INSERT INTO shape (n, nnz, groups, rhs, fill, operations, depth, terms, pattern) "
-      "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9) ON CONFLICT DO UPDATE SET id = id RETURNING id";
+      "INSERT INTO shape (n, nnz, groups, rhs, fill, operations, depth, terms, pattern, one_program) "
+      "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10) ON CONFLICT DO UPDATE SET id = id RETURNING id";
   return the_id(bound(prepared(kInsert), s.n, s.nnz, s.groups, s.rhs, s.fill, s.operations, s.depth, s.terms,
-                      hexadecimal(s.pattern)));
+                      hexadecimal(s.pattern), std::int64_t{s.one_program}));
 }
 
 std::int64_t Writer::strategy(const Strategy& strategy) {

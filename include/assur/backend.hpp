@@ -38,6 +38,7 @@ struct Shape {
   std::int64_t depth = 0;       // longest chain of dependent rows in forward plus that in backward substitution
   std::int64_t terms = 0;       // terms of the compiled equations of a group; 0: a bare matrix
   std::uint64_t pattern = 0;    // hash (64-bit FNV-1a) of the sparsity pattern; 0: not computed
+  bool one_program = false;     // the step of a group can be one program, not a sequence of evaluations and solutions
 
   friend bool operator==(const Shape&, const Shape&) = default;
 };

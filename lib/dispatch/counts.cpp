@@ -7,7 +7,9 @@
 #include "backends/lanes_elimination.hpp"
 #include "equations/outputs.hpp"
 #include "evaluation/coefficients.hpp"
+#include "executors/step_code.hpp"
 #include "index.hpp"
+#include "program/class_step.hpp"
 
 namespace assur {
 namespace {
@@ -15,6 +17,9 @@ namespace {
 constexpr std::int32_t kMostPerRow = 24;  // entries in a row, on average: factors of more are full
 
 constexpr std::int64_t kCurved = 60;  // pieces of work for a distance or an angle among the outputs
+// Instructions of class_step() for a term: 19 to 25 for classes of 1 to 240 unknowns
+constexpr std::int64_t kInstructionsOfTerm = 20;
+constexpr std::int64_t kWatched = 2;  // pieces of work for a term of a watched equation: its value and its scale
 
 // FNV-1a over the bytes of numbers; never 0.
 class Hash {
@@ -91,6 +96,13 @@ void count_elimination(Shape& shape, const Pattern& pattern) {
   }
 }
 
+std::int64_t terms_of(const GroupClass& c) {
+  return std::ssize(c.operands) + std::ssize(c.linear) + std::ssize(c.products) + std::ssize(c.entry_operands);
+}
+
+// As step_code.cpp decides, without writing the program.
+bool is_short(const Shape& s) { return kInstructionsOfTerm * s.terms <= static_cast<std::int64_t>(kMostInstructions); }
+
 }  // namespace
 
 Shape shape_of(const Pattern& pattern, std::int32_t count) {
@@ -103,8 +115,8 @@ Shape shape_of(const Pattern& pattern, std::int32_t count) {
 Shape shape_of(const GroupClass& group_class, std::int32_t groups) {
   Shape shape = shape_of(group_class.pattern, groups);
   shape.rhs = 1 + group_class.derivatives;
-  shape.terms = std::ssize(group_class.operands) + std::ssize(group_class.linear) + std::ssize(group_class.products) +
-                std::ssize(group_class.entry_operands);
+  shape.terms = terms_of(group_class);
+  shape.one_program = has_group_step(group_class) || (has_class_step(group_class) && is_short(shape));
   return shape;
 }
 
@@ -126,6 +138,7 @@ AroundCounts around_counts(const GroupedSystem& s) {
       counts.pieces += linear ? wanted * static_cast<std::int64_t>(s.system->form(part.forms[0]).size()) : kCurved;
     }
   }
+  counts.pieces += kWatched * terms_of(s.watch_class);
   return counts;
 }
 

@@ -24,7 +24,8 @@ namespace assur {
 struct AroundCounts {
   std::int64_t unknowns = 0;  // which are predicted
   std::int64_t columns = 0;   // of the outputs
-  std::int64_t pieces = 0;    // terms of linear outputs; any other output counts as some of them
+  // Terms of linear outputs. Any other output, and terms of watched equations, count as some of them.
+  std::int64_t pieces = 0;
 };
 [[nodiscard]] AroundCounts around_counts(const GroupedSystem& structure);
 

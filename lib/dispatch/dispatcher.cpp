@@ -322,7 +322,15 @@ std::string threads_reason(const Plan& best, std::int32_t budget, double alone, 
          " times as fast as one" + (threads_were_measured(model) ? "" : ", not measured");
 }
 
-// Chooses the W with the least time for each mechanism.
+// Halves the lanes of each class as long as one pack still holds all groups of a level.
+void narrow(Plan& plan, const GroupedSystem& s) {
+  const std::vector<ClassSize> sizes = class_sizes(s);
+  for (Plan::Choice& c : plan.choices) {
+    while (c.solver.lanes / 2 >= sizes[idx(c.group_class)].side_by_side) c.solver.lanes /= 2;
+  }
+}
+
+// Chooses the W with the least time for each mechanism. Single steps still take no more lanes than they fill.
 Plan best_throughput(const GroupedSystem& s, const std::vector<Shape>& shapes, std::int32_t threads,
                      const Scales& scales) {
   std::optional<Plan> best;
@@ -337,6 +345,7 @@ Plan best_throughput(const GroupedSystem& s, const std::vector<Shape>& shapes, s
     if (threads > 1 && tuned_for_one_thread(scales.model)) plan.reason += "; several threads were not measured";
     if (!best || plan.expected_seconds < best->expected_seconds * (1 - scales.tie)) best = std::move(plan);
   }
+  narrow(*best, s);
   return std::move(*best);
 }
 
@@ -452,16 +461,14 @@ Plan uniform_plan(const Strategy& strategy, const GroupedSystem& s, const std::v
   Plan plan;
   plan.run = strategy.run;
   plan.lanes = strategy.solver.lanes;
-  const std::vector<ClassSize> sizes = class_sizes(s);
   for (std::size_t c = 0; c < shapes.size(); ++c) {
     Plan::Choice& choice = plan.choices.emplace_back();
     choice.group_class = static_cast<std::int32_t>(c);
     choice.shape = shapes[c];
     choice.solver = strategy.solver;
     choice.threads = strategy.run.threads;
-    // Halves W as long as one pack still holds all groups of a level.
-    while (!strategy.run.together && choice.solver.lanes / 2 >= sizes[c].side_by_side) choice.solver.lanes /= 2;
   }
+  if (!strategy.run.together) narrow(plan, s);
   return plan;
 }
 

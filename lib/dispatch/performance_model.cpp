@@ -50,6 +50,7 @@ double beyond(double bytes, double cache) {
   const double ratio = bytes / cache;
   return ratio * ratio / (1 + ratio * ratio);
 }
+constexpr double kApart = 10;      // distance of two paths, beyond the reach of any neighbour
 constexpr double kMostOff = 20;    // a machine is at most this many times as fast as the prior assumes
 constexpr double kFewSamples = 5;  // this many samples weigh as much as the prior in the speed of a machine
 constexpr double kSmallCache = 1 << 20, kLargeCache = 1 << 24;  // bytes; nearby samples correct for the own caches
@@ -71,7 +72,7 @@ FitPoint point_of(Kernel kernel, const Shape& shape, const Strategy& strategy) {
     default: {
       const double one = bytes_of_group(shape), all = one * shape.groups, moved = one * strategy.solver.lanes;
       return {{1, n, nnz, moved * beyond(all, kSmallCache), moved * beyond(all, kLargeCache)},
-              {size, filled, in_registers(shape, strategy) ? 10.0 : 0.0, 0.15 * positive_log(all)}};
+              {size, filled, kApart * static_cast<double>(path_of(shape, strategy)), 0.15 * positive_log(all)}};
     }
   }
 }
@@ -216,8 +217,9 @@ struct PerformanceModel::Impl {
     for (const GatheredCell& g : cells) {
       if (g.cell.kernel != Kernel::pack) continue;
       const Strategy& s = g.example->strategy;
-      if (in_registers(g.example->shape, s) || s.solver.once || s.solver.reuse != Reuse::fresh) continue;
-      const auto& [pattern, terms, n, nnz, groups, rhs] = numbers.shape_at(g.cell);
+      if (path_of(g.example->shape, s) != StepPath::composed) continue;
+      if (s.solver.once || s.solver.reuse != Reuse::fresh) continue;
+      const auto& [pattern, terms, n, nnz, groups, rhs, one_program] = numbers.shape_at(g.cell);
       const GatheredCell*& best = quickest[{s.solver.lanes, pattern, terms, groups}];
       if (best == nullptr || g.seconds < best->seconds) best = &g;
     }
@@ -260,7 +262,8 @@ struct PerformanceModel::Impl {
   // parts: seconds of composed().
   [[nodiscard]] static FitPoint pack_point(const Shape& shape, const Strategy& strategy, double parts) {
     FitPoint point = point_of(Kernel::pack, shape, strategy);
-    point.terms = {parts};
+    point.terms = {};
+    point.terms[static_cast<std::size_t>(path_of(shape, strategy))] = parts;
     return point;
   }
 
@@ -273,7 +276,8 @@ struct PerformanceModel::Impl {
 
   [[nodiscard]] Prediction composed(Kernels& kernels, const Strategy& s) const {
     const Shape& shape = kernels.shape();
-    if (in_registers(shape, s)) return {prior_seconds(Kernel::pack, shape, s) * speed_of_all(), 2, Origin::prior};
+    if (path_of(shape, s) == StepPath::in_registers)
+      return {prior_seconds(Kernel::pack, shape, s) * speed_of_all(), 2, Origin::prior};
     return combined({{1, kernels_of_pack(kernels, s)}, {1, rest_of_pack(kernels, s)}});
   }
 
@@ -381,7 +385,7 @@ struct PerformanceModel::Impl {
     if (found == packs.end()) return sum;
     Prediction whole = found->second.at(pack_point(shape, strategy, sum.seconds), sum.seconds);
     whole.seconds = std::max(whole.seconds, prior_seconds(Kernel::pack, shape, strategy) / kMostOff);
-    if (in_registers(shape, strategy)) return whole;
+    if (path_of(shape, strategy) != StepPath::composed) return whole;
     return {whole.seconds, std::max(whole.factor, std::min(sum.factor, 1.5)), std::max(sum.origin, whole.origin)};
   }
 

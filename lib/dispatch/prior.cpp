@@ -106,7 +106,7 @@ double together_seconds(const Shape& shape, const Strategy& s) {
 
 double pack_seconds(const Shape& shape, const Strategy& s) {
   if (s.run.together) return together_seconds(shape, s);
-  if (in_registers(shape, s)) return in_registers_seconds(shape, s);
+  if (path_of(shape, s) == StepPath::in_registers) return in_registers_seconds(shape, s);
   const StepCounts counts = step_counts(s, shape.rhs - 1);
   return rest_seconds(shape, s) + counts.evaluations * evaluate_seconds(shape, s) +
          counts.factorizations * factor_seconds(shape, s) + counts.solutions * solve_seconds(shape, s);
@@ -154,8 +154,11 @@ StepCounts step_counts(const Strategy& s, int derivatives) {
   return counts;
 }
 
-bool in_registers(const Shape& shape, const Strategy& s) {
-  return (shape.n == 2 || shape.n == 3) && (s.solver.lanes <= 8 || s.run.together) && has_small_steps(s.solver);
+StepPath path_of(const Shape& shape, const Strategy& s) {
+  if (!shape.one_program || !has_small_steps(s.solver)) return StepPath::composed;
+  const bool small = shape.n == 2 || shape.n == 3;
+  if (small) return s.solver.lanes <= 8 || s.run.together ? StepPath::in_registers : StepPath::composed;
+  return s.run.together ? StepPath::composed : StepPath::one_program;
 }
 
 bool is_dense(const Strategy& s) { return properties_of(s.solver.backend).dense; }

@@ -25,8 +25,13 @@ struct StepCounts {
 // `derivatives`: 0, 1 or 2.
 [[nodiscard]] StepCounts step_counts(const Strategy& strategy, int derivatives);
 
-// True if a small group takes its whole step in registers, so that its time is not composed of kernels.
-[[nodiscard]] bool in_registers(const Shape& shape, const Strategy& strategy);
+// How a pack takes its step. Only the time of composed steps is that of kernels.
+enum class StepPath : std::uint8_t {
+  composed,      // evaluations, factorisations and solutions, one after another
+  in_registers,  // a small group, or +together
+  one_program,   // machine code for the step of the class, where the processor has it
+};
+[[nodiscard]] StepPath path_of(const Shape& shape, const Strategy& strategy);
 
 [[nodiscard]] bool is_dense(const Strategy& strategy);
 

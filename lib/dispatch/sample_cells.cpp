@@ -110,8 +110,13 @@ std::map<std::int32_t, double> contentions_of(std::int32_t p, const Crowd& crowd
 KernelShape kernel_shape(Kernel kernel, const Shape& shape) {
   const bool solver = kernel == Kernel::factor || kernel == Kernel::solve;
   const bool of_groups = kernel == Kernel::pack || kernel == Kernel::step;
-  return {shape.pattern, solver ? 0 : shape.terms,     shape.n,
-          shape.nnz,     of_groups ? shape.groups : 1, of_groups ? shape.rhs : 1};
+  return {shape.pattern,
+          solver ? 0 : shape.terms,
+          shape.n,
+          shape.nnz,
+          of_groups ? shape.groups : 1,
+          of_groups ? shape.rhs : 1,
+          of_groups && shape.one_program};
 }
 
 SolverVariant CellNumbers::variant_of(Kernel kernel, const Strategy& s) const {

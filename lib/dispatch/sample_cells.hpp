@@ -28,6 +28,7 @@ struct KernelShape {
   std::uint64_t pattern;
   std::int64_t terms;
   std::int32_t n, nnz, groups, rhs;
+  bool one_program;
 
   friend auto operator<=>(const KernelShape&, const KernelShape&) = default;
 };

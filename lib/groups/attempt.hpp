@@ -45,6 +45,7 @@ struct Attempt {
   int iterations = 0;       // exact number of Newton iterations; 0: until convergence
   int most_iterations = 12;
   double converged = kConverged;  // relative residual that counts as solved
+  double known_residual = 0;      // largest relative residual of the run so far; upper bounds below it are good enough
   double time = kNan;             // time of the posture relative to any fixed origin, s; NaN: unknown
   double largest_correction = 0;  // pass: a larger first correction (maximum norm) may lead to the other branch
   const ChangePointPosture* change_point = nullptr;

@@ -216,7 +216,8 @@ Status GroupSolver::finish_small_step(Pack& pack, double* const (&state)[3], con
                                       const SmallStepFigures& figures, AnchorStep& anchors, Counters& counters,
                                       StepErrors& errors) {
   count_small_step(pack, figures.iterations, counters);
-  const bool is_measured = figures.position > std::max(errors.position, kConverged);
+  // The figure is an upper bound.
+  const bool is_measured = figures.position > std::max({errors.position, kConverged, attempt.known_residual});
   errors.position =
       !is_measured ? figures.position : std::max(errors.position, step_.residual_of(pack, state[0], figures.weights));
   errors.velocity = figures.velocity;

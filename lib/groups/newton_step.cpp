@@ -148,7 +148,7 @@ Status NewtonStep::position(Pack& pack, double* x, const Attempt& attempt, std::
   counters.most_iterations = std::max<std::int64_t>(counters.most_iterations, iteration);
   std::fill(open_.begin(), open_.end(), std::uint8_t{1});
   relative = largest_open();
-  if (relative > kConverged) {
+  if (relative > std::max(kConverged, attempt.known_residual)) {
     raise(open_);
     relative = largest_open();
   }

@@ -124,6 +124,7 @@ Attempt Continuation::usual_attempt(double t, Attempt::Branch branch, double con
   usual.number = attempts_;
   usual.most_iterations = settings_.most_iterations;
   usual.converged = converged;
+  if (report_.error.position > 0) usual.known_residual = report_.error.position;
   usual.time = t;
   usual.all_rates = expands_;
   usual.makes_code = std::isnan(selected_at_);

@@ -382,7 +382,7 @@ bool Together::solve(double* const (&state)[3], const Attempt& attempt, Counters
   counters += more;
   count(corrections, counters);
   double position = largest(GroupFigure::position);
-  if (position > std::max({errors.position, kConverged, attempt.converged})) {
+  if (position > std::max({errors.position, kConverged, attempt.known_residual})) {
     position = 0;
     for (const Pack& pack : layout_.packs) {
       position = std::max(position, layout_.solvers[idx(pack.group_class)]->residual_of(pack, state[0]));

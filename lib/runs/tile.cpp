@@ -391,6 +391,7 @@ Attempt Tile::usual_attempt(double time, Attempt::Branch branch, double converge
   Attempt usual;
   usual.branch = branch;
   usual.converged = converged;
+  if (error_.position > 0) usual.known_residual = error_.position;
   usual.number = attempts_;
   usual.time = time;
   usual.most_iterations = settings_.most_iterations;

@@ -45,6 +45,7 @@ inline Sample sample_of(std::int32_t number, const std::string& backend = "eigen
   s.shape.operations = std::int64_t{1} << (number % 40);
   s.shape.depth = 2 * s.shape.n;
   s.shape.pattern = 0x9e3779b97f4a7c15u * static_cast<std::uint64_t>(number + 1);
+  s.shape.one_program = number % 2 == 1;
   s.strategy.solver.backend = backend;
   s.seconds = 1e-6 / 3 * s.shape.n;
   s.spread = 1e-9 / 7;

@@ -3,7 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <random>
+
 #include "assur/assur.hpp"
+#include "executors/step_code.hpp"
+#include "program/class_step.hpp"
 
 namespace assur {
 namespace {
@@ -53,6 +57,37 @@ TEST(Counts, OnlyEqualPatternsHaveTheSameNumber) {
   EXPECT_NE(first, shape_of(band(30, 1, 0)).pattern);
   EXPECT_NE(first, shape_of(band(31, 1, 1)).pattern);
   EXPECT_NE(first, 0U);
+}
+
+std::size_t instructions_of(const GroupClass& c) {
+  std::mt19937_64 random(1);
+  std::vector<double> values(c.pattern.row.size());
+  for (double& value : values) value = std::uniform_real_distribution<double>(1, 2)(random);
+  const lanes::Order order = lanes::markowitz_order(c.pattern, values, 1, 1, {.threshold = 0});
+  std::size_t count = 0;
+  for (const Phase& phase : class_step(c, lanes::write_program(c.pattern, order), {}).phases) {
+    count += phase.code.size();
+  }
+  return count;
+}
+
+// The length of a program is estimated without writing it, so that programs of about the largest length may be wrong.
+TEST(Counts, ClassesWithShortProgramsAreKnown) {
+  int shorter = 0, longer = 0;
+  for (const char* text : {"rings:legs=2,n=24", "rings:legs=2,n=60", "rings:legs=2,n=100", "rings:legs=2,n=240",
+                           "delta", "three_rps", "scissor:20", "bricard", "sarrus", "goldberg"}) {
+    for (const GroupClass& c : group_equations(sample(text), {.formulation = Formulation::groups}).classes) {
+      if (!has_class_step(c)) continue;
+      const auto ratio = static_cast<double>(instructions_of(c)) / static_cast<double>(kMostInstructions);
+      if (ratio > 0.8 && ratio < 1.2) continue;
+      EXPECT_EQ(shape_of(c).one_program, ratio < 1) << text << ", n = " << c.n << ": " << ratio;
+      ++(ratio < 1 ? shorter : longer);
+    }
+  }
+  EXPECT_GE(shorter, 8);
+  EXPECT_GE(longer, 2);
+  const GroupedSystem chain = group_equations(sample("n_four_bar:4"), {.formulation = Formulation::global});
+  EXPECT_FALSE(class_shapes(chain)[0].one_program);  // it can be divided
 }
 
 TEST(Counts, AClassHasTheShapeOfItsGroups) {

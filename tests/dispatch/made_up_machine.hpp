@@ -20,6 +20,7 @@ inline Shape sparse_shape(std::int32_t n, std::int32_t groups = 1) {
   s.operations = 9 * std::int64_t{n};
   s.terms = 8 * std::int64_t{n};
   s.pattern = static_cast<std::uint64_t>(n) * 2 + 1;
+  s.one_program = n <= 3;
   return s;
 }
 

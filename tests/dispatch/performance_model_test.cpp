@@ -346,6 +346,31 @@ TEST(PerformanceModel, PredictsFiniteTimesFromAnySamples) {
   }
 }
 
+// Steps as one program are several times as fast. They say nothing about groups of the same size whose steps are
+// composed.
+TEST(PerformanceModel, KeepsPathsApart) {
+  std::vector<Sample> known = samples(0);
+  const Strategy lanes = parse_strategy("groups/lanes");
+  Shape shape = sparse_shape(20);
+  shape.pattern = 0;
+  const double composed = PerformanceModel(known).pack(shape, lanes).seconds;
+  std::mt19937_64 random(9);
+  for (const std::int32_t n : {8, 12, 16, 24, 30}) {
+    Sample s = sample_of(Kernel::pack, sparse_shape(n), lanes, 0, random);
+    s.shape.one_program = true;
+    s.shape.pattern += 1'000'000;
+    s.seconds /= 4;
+    known.push_back(std::move(s));
+  }
+  const PerformanceModel model(known);
+  EXPECT_NEAR(model.pack(shape, lanes).seconds, composed, 0.01 * composed);
+  shape.one_program = true;
+  EXPECT_NEAR(model.pack(shape, lanes).seconds, composed / 4, 0.1 * composed);
+  // Other policies of the backend have no such program.
+  const Strategy once = parse_strategy("groups/lanes+once");
+  EXPECT_EQ(path_of(shape, once), StepPath::composed);
+}
+
 TEST(PerformanceModel, MeetingsAndContentionComeFromThreads) {
   std::vector<Sample> known = samples(0);
   std::mt19937_64 random(4);

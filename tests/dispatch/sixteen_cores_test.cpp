@@ -37,6 +37,7 @@ std::vector<Sample> samples_of_16_cores() {
     s.shape = {small(1),  small(2),  small(8),
                small(9),  number(3), number(4),
                number(5), number(6), std::stoull(cells.at(7), nullptr, 16)};
+    s.shape.one_program = s.shape.n == 2 || s.shape.n == 3;
     s.strategy = parse_strategy(cells.at(10));
     s.seconds = std::stod(cells.at(11));
     s.spread = std::stod(cells.at(12));

@@ -42,11 +42,11 @@ TEST(Proof, RacesTheStrategiesThatAreExpectedToBeTheFastest) {
 TEST(Proof, IsStoredAsTimesOfWholeSteps) {
   double now = 0;
   measure::Instruments instruments;
-  instruments.clock = [&] { return now += 1e-4; };
+  instruments.clock = [&] { return now += 2e-3; };
   instruments.switches = [](int) { return std::int64_t{0}; };
   CampaignOptions options;
   options.field = {backends(), ThreadBudget{1}};
-  options.seconds = 1000;
+  options.seconds = 20'000;
   std::vector<Sample> stored;
   options.store = [&](const CellResult& cell) {
     for (const Result& r : cell.results) stored.push_back(r.sample);

@@ -274,6 +274,7 @@ void add_plan(CLI::App& app, Invocation& call) {
   add_mode(plan, o.mode);
   add_accuracy(plan, o.accuracy);
   add_file(plan, "--save", o.save, "Write the plan for assur::load_plan()");
+  add(plan, "--machine", o.machine, "Plan for this machine of the database: its fingerprint or start of it", "TEXT");
   finish(plan, call, command::plan, o);
 }
 
@@ -297,6 +298,11 @@ void add_question(CLI::App& db, Invocation& call, const char* name, const char* 
   if (takes("--machine")) {
     add(question, "--machine", o.machine, "Only this machine: its fingerprint or start of it", "TEXT");
   }
+  if (takes("--csv")) {
+    add(question, "--strategy", o.strategy, "Only strategies that contain this text", "TEXT");
+    add(question, "-n", o.n, "Only this number of unknowns", "N", whole_number(0));
+    add_file(question, "--csv", o.csv, "Write the samples with all their figures");
+  }
   if (takes("--library")) {
     add(question, "--library", o.library, "Only samples of this solver library, or of assur", "NAME");
   }
@@ -309,7 +315,7 @@ void add_db(CLI::App& app, Invocation& call) {
   CLI::App& db = *app.add_subcommand("db", "Query and maintain the tuning database");
   db.require_subcommand(1);
   add_question(db, call, "info", "List databases, tuning runs, and samples in use", {});
-  add_question(db, call, "samples", "List the samples", {"--run", "--machine", "--library", "--kernel"});
+  add_question(db, call, "samples", "List the samples", {"--run", "--machine", "--library", "--kernel", "--csv"});
   add_question(db, call, "best", "Show the fastest strategy for each shape", {"--machine", "--kernel"});
   add_question(db, call, "crossovers", "Show the sizes at which the fastest strategy changes",
                {"--machine", "--kernel"});

@@ -116,12 +116,16 @@ struct PlanOptions {
   double accuracy = 0;               // PrepareOptions::accuracy
   std::vector<std::string> without;  // backends
   std::string save;                  // a file for load_plan(); empty: none
+  std::string machine;               // beginning of the fingerprint of another machine of the database; empty: this one
 };
 
 // A query to the tuning database; all set members together select the samples.
 struct DbOptions {
   std::string question;             // "info", "samples", ...
   std::string file;                 // of export or import
+  std::string csv;                  // samples: also written to this file
+  std::string strategy;             // samples: only strategies that contain this text
+  std::optional<std::int32_t> n;    // samples: only this number of unknowns
   std::optional<std::int64_t> run;  // number of a run, as `info` shows it
   std::string machine, library, kernel;
   bool all = false;
@@ -187,6 +191,13 @@ int report(const Common& common, const ReportOptions& options);
 
 // The model of this machine: from --db alone, or from all databases. Throws Error (environment) if --db cannot be read.
 [[nodiscard]] MachineModel machine_model_of(const Common& common);
+// The model of another machine of these databases, and the largest budget of its tuning runs. Throws Error (input) if
+// none has a machine whose fingerprint begins like this.
+struct OtherMachine {
+  MachineModel model;
+  ThreadBudget budget;
+};
+[[nodiscard]] OtherMachine other_machine(const Common& common, const std::string& fingerprint);
 int tune(const Common& common, const TuneOptions& options);
 
 }  // namespace assur::command

@@ -8,6 +8,8 @@
 #include "db/unusable.hpp"
 #include "output/answer.hpp"
 #include "output/format.hpp"
+#include "output/replace_file.hpp"
+#include "tuning/sample_csv.hpp"
 
 namespace assur::command {
 namespace {
@@ -49,15 +51,18 @@ void warn_of_database(const Common& common, const Store& store) {
   }
 }
 
+[[noreturn]] void refuse_unknown(const std::string& where, const std::string& option, const std::string& wanted,
+                                 const std::set<std::string>& known) {
+  std::string all;
+  for (const std::string& one : known) all += (all.empty() ? "" : ", ") + one;
+  throw Error(Error::Kind::input,
+              option + ": " + where + " has no " + wanted + (all.empty() ? "; it has none" : "; it has " + all));
+}
+
 // Refuses a machine or run that the database does not have.
 db::Filter filter_of(const Store& store, const DbOptions& options) {
   const std::vector<db::Run> runs = store.runs();
-  const auto refuse = [&](const std::string& option, const std::string& wanted, const std::set<std::string>& known) {
-    std::string all;
-    for (const std::string& one : known) all += (all.empty() ? "" : ", ") + one;
-    throw Error(Error::Kind::input, option + ": " + store.file().string() + " has no " + wanted +
-                                        (all.empty() ? "; it has none" : "; it has " + all));
-  };
+  const std::string file = store.file().string();
   std::set<std::string> machines, numbers;
   for (const db::Run& run : runs) {
     machines.insert(run.machine);
@@ -65,10 +70,10 @@ db::Filter filter_of(const Store& store, const DbOptions& options) {
   }
   const auto is_wanted = [&](const std::string& machine) { return machine.starts_with(options.machine); };
   if (std::none_of(machines.begin(), machines.end(), is_wanted) && !options.machine.empty()) {
-    refuse("--machine", "machine " + options.machine, machines);
+    refuse_unknown(file, "--machine", "machine " + options.machine, machines);
   }
   if (options.run && numbers.count(std::to_string(*options.run)) == 0) {
-    refuse("--run", "tuning run " + std::to_string(*options.run), numbers);
+    refuse_unknown(file, "--run", "tuning run " + std::to_string(*options.run), numbers);
   }
   db::Filter filter;
   filter.run = options.run;
@@ -94,8 +99,17 @@ int show(const Common& common, const Store& store, const db::Answer& answer, con
 }
 
 int show_samples(const Common& common, const DbOptions& options) {
+  refuse_overwriting(common, {{"--csv", options.csv}}, {});
   const Store store = store_to_ask(common);
-  return show(common, store, store.sample_rows(filter_of(store, options)),
+  db::Filter filter = filter_of(store, options);
+  filter.strategy = options.strategy;
+  filter.n = options.n;
+  if (!options.csv.empty()) {
+    output::Replacement csv("--csv", options.csv);
+    tuning::write_csv(csv.stream(), store.samples(filter));
+    csv.put();
+  }
+  return show(common, store, store.sample_rows(filter),
               {{"machine", "machine"},
                {"kernel", "kernel"},
                {"n", "n"},
@@ -240,6 +254,23 @@ MachineModel machine_model_of(const Common& common) {
   if (common.db.empty()) return machine_model();
   db::require_readable(common.db);
   return db::read_machine_model(databases_of(common), db::this_host(), db::library_at_hand);
+}
+
+OtherMachine other_machine(const Common& common, const std::string& fingerprint) {
+  const std::vector<db::DatabaseFile> files = databases_of(common);
+  std::string names;
+  std::set<std::string> machines;
+  std::int32_t threads = 0;
+  for (const db::DatabaseFile& place : files) {
+    names += (names.empty() ? "" : ", ") + place.file.string();
+    if (!fs::exists(place.file)) continue;
+    for (const db::Run& run : Store(place.file, Access::read).runs()) {
+      machines.insert(run.machine);
+      if (run.machine.starts_with(fingerprint)) threads = std::max(threads, run.threads);
+    }
+  }
+  if (threads == 0) refuse_unknown(names, "--machine", "machine " + fingerprint, machines);
+  return {db::read_model_of(files, fingerprint), ThreadBudget{threads}};
 }
 
 int db(const Common& common, const DbOptions& options) {

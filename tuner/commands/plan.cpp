@@ -39,8 +39,11 @@ int plan(const Common& common, const PlanOptions& options) {
   if (!options.outputs.empty()) scene = scene.with_outputs(options.outputs);
   refuse_overwriting(common, {{"--save", options.save}}, {options.scene});
   refuse_overwriting({{"--save", options.save}}, scene);
-  const MachineModel known = machine_model_of(common);
-  const ThreadBudget budget = common.threads > 0 ? ThreadBudget{common.threads} : this_machine().budget();
+  const bool elsewhere = !options.machine.empty();
+  const OtherMachine machine = elsewhere ? other_machine(common, options.machine)
+                                         : OtherMachine{machine_model_of(common), this_machine().budget()};
+  const MachineModel& known = machine.model;
+  const ThreadBudget budget = common.threads > 0 ? ThreadBudget{common.threads} : machine.budget;
   const Prepared prepared = prepare(scene, {.strategy = options.strategy,
                                             .budget = budget,
                                             .mode = options.mode,
@@ -56,7 +59,7 @@ int plan(const Common& common, const PlanOptions& options) {
                               .model = *known.model,
                               .messages = known.messages,
                               .candidates = {},
-                              .machine_code = machine_code_of(prepared, options.mode)};
+                              .machine_code = elsewhere ? std::nullopt : machine_code_of(prepared, options.mode)};
   for (const Plan::Choice& choice : prepared.plan().choices) {
     std::vector<Candidate>& of_class = summary.candidates.emplace_back(
         candidates(choice.shape, {.model = known.model, .budget = budget, .without = options.without}));

@@ -51,14 +51,13 @@ std::vector<Strategy> pack_strategies(const Field& field, Formulation formulatio
   StrategySpace space;
   space.formulations = {formulation};
   space.lanes.assign(kWidths.begin(), kWidths.end());
-  // The time of +reuse= depends on the motion, so one posture cannot show it.
-  if (policies) space.policies = {{}, {.once = true}, {.separate = true}};
+  // The time of +reuse= depends on the motion, so one posture cannot show it; `auto` does not weigh +separate.
+  if (policies) space.policies = {{}, {.once = true}};
   return in_turns(field, space, shape, [&](const Backend& backend, const SolverSettings& s) {
-    const bool plain = !s.once && !s.separate;
     if (s.lanes == 1) return true;
-    if (backend.fills_lanes) return s.lanes <= shape.groups && (plain || s.lanes == 8);
-    // These evaluate equations in lanes and factorise lane by lane; the dispatcher never chooses +separate for them.
-    return !backend.takes_turns && shape.groups > 4 && s.lanes < 2 * shape.groups && !s.separate;
+    if (backend.fills_lanes) return s.lanes <= shape.groups && (!s.once || s.lanes == 8);
+    // These evaluate equations in lanes and factorise lane by lane.
+    return !backend.takes_turns && shape.groups > 4 && s.lanes < 2 * shape.groups;
   });
 }
 

@@ -25,7 +25,7 @@ struct Field {
 [[nodiscard]] std::vector<Strategy> linear_solvers(const Field& field, const Shape& shape, int most_lanes);
 
 // Strategies for whole steps of a pack, for a class with shape.groups groups on one level: linear solvers in double on
-// one thread; with `policies` most of them also with +once and +separate.
+// one thread; with `policies` most of them also with +once.
 [[nodiscard]] std::vector<Strategy> pack_strategies(const Field& field, Formulation formulation, const Shape& shape,
                                                     bool policies);
 

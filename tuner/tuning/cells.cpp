@@ -6,7 +6,9 @@
 #include <utility>
 
 #include "assur/plan.hpp"
+#include "dispatch/strategies.hpp"
 #include "dispatch/together_rules.hpp"
+#include "mechanisms/random_mechanism.hpp"
 #include "plan/preparation.hpp"
 #include "tuning/mechanisms.hpp"
 
@@ -197,6 +199,28 @@ Cell around(Cell of_steps) {
   return of_steps;
 }
 
+// Random mechanisms as users write them, one of each kind: small groups in a few levels, which take few lanes, and in
+// `global` one system that could be divided.
+void add_mechanisms(std::vector<Cell>& cells) {
+  constexpr std::uint64_t kCardan = 13, kRssr = 48, kChain = 53, kWishbone = 60, kLoop = 66, kRobot = 72,
+                          kThreeRps = 73, kDelta = 84, kStewart = 85, kPlatform = 102;
+  constexpr double kSlowStep = 1e-4;  // s
+  constexpr int kSlowSteps = 1000;
+  for (const std::uint64_t seed :
+       {kCardan, kRssr, kChain, kWishbone, kLoop, kRobot, kThreeRps, kDelta, kStewart, kPlatform}) {
+    const mechanisms::RandomMechanism drawn = mechanisms::random_mechanism(seed);
+    // Slow enough for one Newton iteration in each step, and for no test of the branch.
+    const double start = drawn.scene().time().start;
+    const Scene scene = drawn.scene().with_time({start, start + kSlowSteps * kSlowStep, kSlowStep});
+    for (const Formulation f : formulations_of(group_equations(scene, {.formulation = Formulation::irreducible}))) {
+      Cell c = steps(
+          "random " + drawn.family + ", " + std::string(name(f)), [scene] { return scene; }, f);
+      c.weight = 0.5;
+      cells.push_back(around(std::move(c)));
+    }
+  }
+}
+
 }  // namespace
 
 std::string to_string(const Cell& cell) {
@@ -255,6 +279,7 @@ std::vector<Cell> general_cells(const Extent& extent) {
     cells.push_back(around(steps(std::string(text) + ", groups", named(text), Formulation::groups)));
   }
   cells.push_back(around(steps("stewart, irreducible", named("stewart"), Formulation::irreducible)));
+  add_mechanisms(cells);
   add_crowds(cells, extent, 84);
   add_sizes(cells, extent);
   add_crowds(cells, extent, 90);

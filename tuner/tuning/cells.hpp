@@ -29,7 +29,7 @@ struct Cell {
   std::int32_t n = 0;       // unknowns, if they follow from the size
   std::int32_t groups = 1;  // of the class, on one level; together: on all levels
   bool held_out = false;    // measured to judge the model, which does not use it
-  bool policies = false;    // packs: also with +once and +separate
+  bool policies = false;    // packs: also with +once
   double weight = 1;        // share of the time
   std::function<Scene()> scene = nullptr;  // null: random matrices
   Formulation formulation = Formulation::groups;

@@ -179,7 +179,7 @@ class StepsGround final : public Ground {
         continue;
       }
       candidates_.push_back({Kernel::step, s});
-      if (s.solver.once || s.solver.separate || s.solver.reuse != Reuse::fresh || level.groups == 1) continue;
+      if (s.solver.once || level.groups == 1) continue;
       for (int p = 2; p <= std::min(field.budget.threads, level.groups); p *= 2) {
         s.run.threads = p;
         if (field.why_not(s).empty()) candidates_.push_back({Kernel::step, s});
@@ -213,8 +213,7 @@ class StepsGround final : public Ground {
   // The time of a step beyond its packs does not depend on the solver, but a little on the number of packs. It is
   // measured with the two widest strategies of the fastest backend, which plans mostly use.
   [[nodiscard]] static bool measures_around(const Strategy& s, const Shape& level) {
-    return s.solver.backend == "lanes" && !s.solver.once && !s.solver.separate &&
-           4 * s.solver.lanes > std::min(level.groups, kMostLanes);
+    return s.solver.backend == "lanes" && !s.solver.once && 4 * s.solver.lanes > std::min(level.groups, kMostLanes);
   }
 
   Scene scene_;

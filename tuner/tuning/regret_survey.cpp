@@ -50,7 +50,6 @@ std::vector<Question> unlike_questions(int threads) {
                                                    "geared_five_bar",
                                                    "goldberg",
                                                    "hexa",
-                                                   "hexapod",
                                                    "jansen",
                                                    "jansen:64",
                                                    "klann",
@@ -83,10 +82,10 @@ std::vector<Question> unlike_questions(int threads) {
     q.threads = threads;
     all.push_back(std::move(q));
   };
-  for (const char* scene : {"four_bar", "dyads:8", "delta", "hexapod"}) {
+  for (const char* scene : {"four_bar", "dyads:8", "delta", "hexa"}) {
     for (const double accuracy : {1e-4, 1e-6, 1e-8}) add({.scene = scene, .without = {}, .accuracy = accuracy});
   }
-  for (const char* scene : {"four_bar", "four_bar:23", "delta", "double_wishbone", "hexapod", "stewart"}) {
+  for (const char* scene : {"four_bar", "four_bar:23", "delta", "double_wishbone", "hexa", "stewart"}) {
     add({.scene = scene, .without = {}, .mode = Mode::throughput});
   }
   add({.scene = "stewart", .without = {}, .outputs = {"handle1.value"}});
