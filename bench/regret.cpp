@@ -29,8 +29,9 @@ using tuning::Question;
 constexpr double kLook = 1;        // s, at the usual pace
 constexpr std::size_t kQuick = 9;  // questions of each kind with --quick
 
-std::vector<Question> chosen_from(std::vector<Question> all, const Survey& survey) {
-  std::erase_if(all, [&](const Question& q) { return !survey.wants(q.text()); });
+// TEXT of --only may be in a question or in the title of its list.
+std::vector<Question> chosen_from(std::vector<Question> all, const std::string& title, const Survey& survey) {
+  if (!survey.wants(title)) std::erase_if(all, [&](const Question& q) { return !survey.wants(q.text()); });
   if (!survey.quick || all.size() <= kQuick) return all;
   std::vector<Question> some;
   for (std::size_t i = 0; i < all.size(); i += all.size() / kQuick) some.push_back(all[i]);
@@ -131,7 +132,7 @@ void run(const Survey& survey, std::ostream& csv) {
         std::pair{"Mechanisms that the tuner does not have", tuning::unlike_questions(survey.threads)}}) {
     std::printf("\n%s\n%-40s %12s %7s %9s %9s %9s   %-34s %s\n", title, "question", "chosen", "/expect", "regret",
                 "to itself", "untuned", "chosen", "best");
-    answer(chosen_from(questions, survey), survey, pace, csv);
+    answer(chosen_from(questions, title, survey), survey, pace, csv);
   }
 }
 

@@ -20,6 +20,9 @@ constexpr double kUsual = kSumRounding;          // residuals up to this one are
 constexpr double kSolvedToRounding = 16 * kEps;  // equations with smaller residuals are solved as exactly as possible
 // the same if callbacks hide changes of the condition, or while errors are in doubt; a choice
 constexpr std::int64_t kIntervalUnseen = 16;
+// A measurement takes the time of some ten steps, and a loose step saves a tenth to a half of its time (hexa, jansen).
+constexpr std::int64_t kWorthLoosening = 64;
+constexpr std::int64_t kMostPatience = 1 << 20;
 constexpr double kCloser = 1.6;  // if the square of a divisor falls by this factor, its inverse cube doubles
 // Growth of a rate or an acceleration of a driver that asks for a new measurement; a choice.
 constexpr double kFaster = 4;
@@ -118,6 +121,7 @@ void ErrorEstimate::restart(std::span<const System* const> systems, std::span<co
   seed_ = 0;
   worst_ = gain_ = left_ = 0;
   loose_ = false;
+  exact_ = patience_ = 0;
 }
 
 bool ErrorEstimate::due(std::int64_t branch_checks, std::span<const double> times, const double* const (&state)[3],
@@ -180,6 +184,9 @@ bool ErrorEstimate::conditions_have_grown(std::int64_t branch_checks, double err
 
 void ErrorEstimate::begin(std::span<const double> times, const double* const (&state)[3]) {
   keep_steps_between();
+  const bool has_paid = !loose_ || steps_ >= kWorthLoosening || measurements_ < 2;
+  if (!has_paid) patience_ = std::min(2 * patience_ + 1, kMostPatience);
+  exact_ = has_paid ? std::max<std::int64_t>(exact_ - 1, 0) : patience_;
   steps_ = 0;
   ++measurements_;
   for (std::size_t i = 0; i < used_; ++i) {
@@ -404,6 +411,8 @@ void ErrorEstimate::save(Snapshot& into) const {
   into.left = left_;
   into.knows_gain = knows_gain_;
   into.loose = loose_;
+  into.exact = exact_;
+  into.patience = patience_;
   into.branch_checks = branch_checks_;
   into.steps = steps_;
   into.interval = interval_;
@@ -421,6 +430,8 @@ void ErrorEstimate::restore(const Snapshot& from, std::int64_t branch_checks) {
   left_ = from.left;
   knows_gain_ = from.knows_gain;
   loose_ = from.loose;
+  exact_ = from.exact;
+  patience_ = from.patience;
   branch_checks_ = from.branch_checks + branch_checks;
   steps_ = from.steps;
   interval_ = from.interval;

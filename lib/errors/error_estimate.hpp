@@ -109,6 +109,8 @@ class ErrorEstimate {
   [[nodiscard]] double residual_for(double error) const { return knows_gain_ ? error / gain_ : 0; }
   // loose: until the next measurement, equations are solved to a larger residual.
   void loosen(bool loose) { loose_ = loose; }
+  // False for a while after measurements of loose steps came so often that exact ones would have taken less time.
+  [[nodiscard]] bool may_loosen() const { return exact_ == 0; }
   // Passes the largest relative residual of a mechanism's redundant equations to the next measurement. If the residual
   // exceeds the errors of the posture, numbers of the scene contradict each other by so much; any equation may have it.
   void contradict(std::size_t mechanism, double residual) { mechanisms_[mechanism].redundant = residual; }
@@ -227,6 +229,7 @@ class ErrorEstimate {
   double gain_ = 0;  // largest error of all mechanisms for a unit relative residual
   double left_ = 0;  // largest residual of the steps since the last measurement
   bool loose_ = false;
+  std::int64_t exact_ = 0, patience_ = 0;  // measurements until steps may be loose again, and the last such number
 };
 
 struct ErrorEstimate::Snapshot {
@@ -235,7 +238,7 @@ struct ErrorEstimate::Snapshot {
   std::vector<double> omega;
   double residual = 0, worst = 0, gain = 0, left = 0;
   bool knows_gain = false, loose = false;
-  std::int64_t branch_checks = 0, steps = 0, interval = 0, measurements = 0;
+  std::int64_t branch_checks = 0, steps = 0, interval = 0, measurements = 0, exact = 0, patience = 0;
   std::uint64_t seed = 0;
 };
 

@@ -21,14 +21,11 @@
 namespace assur {
 namespace {
 
-Predictor automatic_predictor(const GroupedSystem& s, double accuracy) {
+Predictor automatic_predictor(const GroupedSystem& s) {
   const bool all = std::all_of(s.groups.begin(), s.groups.end(), [&](const SolvedGroup& g) {
     return g.wanted_derivatives == 2 && s.classes[static_cast<std::size_t>(g.group_class)].first_wanted == 0;
   });
   // If accelerations are not wanted, a prediction from past positions is as good and costs no factorisation.
-  // Inexact postures predict better without interpolation.
-  constexpr double kLoose = 1e-5;
-  if (all && accuracy >= kLoose) return {Predictor::Kind::taylor, 2};
   return all ? Predictor{Predictor::Kind::hermite, 5} : Predictor{Predictor::Kind::past, 5};
 }
 
@@ -310,7 +307,7 @@ Preparation prepare_at(const Scene& scene, const PrepareOptions& options, const 
   Plan& plan = choice.plan;
   plan.accuracy = options.accuracy;
   if (plan.run.predictor.kind == Predictor::Kind::automatic)
-    plan.run.predictor = automatic_predictor(*choice.structure, plan.accuracy);
+    plan.run.predictor = automatic_predictor(*choice.structure);
   if (options.mode == Mode::throughput && options.strategy.find("+chunks=") == std::string::npos) {
     plan.run.chunks = chunks_for(plan.lanes, plan.run.threads, scene.time().steps());
   }

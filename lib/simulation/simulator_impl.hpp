@@ -225,7 +225,7 @@ struct Simulator::Impl {
       (void)measure();
     }
     double converged = kConverged;
-    if (prepared.plan.accuracy > 0) {
+    if (prepared.plan.accuracy > 0 && estimate.may_loosen()) {
       const double margin = kMargin * std::clamp(structure.levels, 1, kMostLevels);
       converged = std::clamp(estimate.residual_for(prepared.plan.accuracy / margin), kConverged, kLoosest);
     }

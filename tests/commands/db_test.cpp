@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <sstream>
 #include <tuple>
 
@@ -127,6 +128,11 @@ TEST(Db, PrintsSamplesBestCrossoversAndModelsAsRows) {
   EXPECT_EQ(rows(file, {"samples", "--library", "eigen"}).size(), 2u);
   EXPECT_EQ(rows(file, {"samples", "--kernel", "solve"}).size(), 0u);
   EXPECT_EQ(rows(file, {"samples", "--machine", host_with(4).fingerprint().substr(0, 6)}).size(), 4u);
+  EXPECT_EQ(rows(file, {"samples", "--strategy", "klu", "-n", "8"}).size(), 1u);
+  const std::string csv = scratch.file("samples.csv");
+  EXPECT_EQ(rows(file, {"samples", "--strategy", "eigen", "--csv", csv}).size(), 2u);
+  const std::string written = content(csv);
+  EXPECT_EQ(std::count(written.begin(), written.end(), '\n'), 3);  // a head and two samples
 
   const auto best = rows(file, {"best"});
   ASSERT_EQ(best.size(), 2u);
@@ -150,6 +156,24 @@ TEST(Db, PrintsSamplesBestCrossoversAndModelsAsRows) {
   }
   EXPECT_NE(ask(file, {"best"}).out.find("groups/klu          100 ns  groups/eigen  x 2.00"), std::string::npos)
       << ask(file, {"best"}).out;
+}
+
+TEST(Db, PlansForAnotherMachine) {
+  const Scratch scratch;
+  const std::string file = scratch.file("tuning.db"), other = host_with(4).fingerprint();
+  make_database(file, host_with(4), 3);
+  const auto plan = [&](const std::string& machine) {
+    return run_command({"plan", "stewart", "--machine", machine, "--db", file, "--json"});
+  };
+  const Outcome known = plan(other.substr(0, 8));
+  ASSERT_EQ(known.status, 0) << known.err;
+  EXPECT_EQ(known.json()["samples"], 3);
+  EXPECT_NE(known.json()["source"].get<std::string>().find("measured on Fast One"), std::string::npos);
+  EXPECT_EQ(known.json()["budget"], db::Store(file, db::Access::read).runs().at(0).threads);
+  EXPECT_TRUE(known.json()["machine_code"].is_null());
+  const Outcome unknown = plan("zzz");
+  EXPECT_EQ(unknown.status, 2);
+  EXPECT_NE(unknown.err.find("has no machine zzz; it has " + other), std::string::npos) << unknown.err;
 }
 
 TEST(Db, ExportsAndImports) {

@@ -105,14 +105,14 @@ TEST(Usage, HelpFitsEightyColumnsAndNamesEveryOption) {
       {{"compare", "--help"}, {"SCENE", "--set", "--outputs", "--steps", "--accuracy", "--strategies", "--html"}},
       {{"inspect", "--help"}, {"SCENE", "--set", "--outputs", "--formulation", "--modes"}},
       {{"import", "--help"}, {"FILE", "--out", "--key", "--drive"}},
-      {{"plan", "--help"}, {"SCENE", "--set", "--outputs", "--without", "--mode", "--accuracy", "--save"}},
+      {{"plan", "--help"}, {"SCENE", "--set", "--outputs", "--without", "--mode", "--accuracy", "--save", "--machine"}},
       {{"sweep", "--help"}, {"SCENE", "--vary", "--samples", "--sampler", "--reduce", "--best", "--out"}},
       {{"tune", "--help"}, {"--profile", "--budget", "--scene", "--csv"}},
       {{"backends", "--help"}, {}},
       {{"check", "--help"}, {"SCENE", "--set", "--quick", "--case"}},
       {{"report", "--help"}, {"--out", "--quick", "--budget", "--watts", "--peers"}},
       {{"db", "--help"}, {"info", "samples", "best", "crossovers", "models", "export", "import", "check", "forget"}},
-      {{"db", "samples", "--help"}, {"--run", "--machine", "--library", "--kernel"}},
+      {{"db", "samples", "--help"}, {"--run", "--machine", "--library", "--kernel", "--strategy", "-n", "--csv"}},
       {{"db", "forget", "--help"}, {"--run", "--machine", "--library", "--all"}},
   };
   for (const auto& [arguments, words] : cases) {

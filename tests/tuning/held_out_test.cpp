@@ -94,11 +94,11 @@ TEST(SampleCsv, HasALineForEachSample) {
   s.slowness = 1.5;
   std::ostringstream out;
   write_csv(out, std::vector{s});
-  EXPECT_EQ(
-      out.str(),
-      "kernel,n,nnz,fill,operations,depth,terms,pattern,one_program,groups,strategy,seconds,spread,repetitions,backward_error,"
-      "forward_error,raw_seconds,slowness\n"
-      "factor,3,9,9,9,0,0,3,0,1,groups/lanes:8,0.25,0.0025000000000000001,100,0,,0.375,1.5\n");
+  EXPECT_EQ(out.str(),
+            "kernel,n,nnz,fill,operations,depth,terms,pattern,one_program,groups,strategy,seconds,spread,repetitions,"
+            "backward_error,"
+            "forward_error,raw_seconds,slowness\n"
+            "factor,3,9,9,9,0,0,3,0,1,groups/lanes:8,0.25,0.0025000000000000001,100,0,,0.375,1.5\n");
 }
 
 }  // namespace

@@ -274,7 +274,7 @@ void add_plan(CLI::App& app, Invocation& call) {
   add_mode(plan, o.mode);
   add_accuracy(plan, o.accuracy);
   add_file(plan, "--save", o.save, "Write the plan for assur::load_plan()");
-  add(plan, "--machine", o.machine, "Plan for this machine of the database: its fingerprint or start of it", "TEXT");
+  add(plan, "--machine", o.machine, "Plan for this machine: (start of) its fingerprint", "TEXT");
   finish(plan, call, command::plan, o);
 }
 

@@ -41,6 +41,13 @@ std::string threads_text(const Plan& plan, const GroupedSystem& s) {
   return std::to_string(plan.run.threads) + " on " + grouped(shared) + " of " + counted(s.levels, "level");
 }
 
+// In mode throughput, the lanes of a class are those of mechanisms side by side.
+Strategy strategy_of(const PlanSummary& s, const Plan::Choice& c) {
+  Strategy strategy = s.prepared.plan().strategy(c);
+  if (s.mode == Mode::throughput) strategy.solver.lanes = s.prepared.plan().lanes;
+  return strategy;
+}
+
 BesideGroups beside_groups_of(const PlanSummary& s) {
   const Plan& plan = s.prepared.plan();
   const auto& p = plan.level_threads;
@@ -71,7 +78,7 @@ void print_classes(Page& page, const PlanSummary& s) {
     if (idx(c.group_class) == kMostClasses) break;
     const Strategy shown{
         {.formulation = plan.run.formulation, .together = plan.run.together, .chunks = plan.run.chunks},
-        c.solver};  // the rest is the same for all
+        strategy_of(s, c).solver};  // the rest is the same for all
     table.row({std::to_string(c.group_class), range_text(levels[idx(c.group_class)]), grouped(c.shape.groups),
                grouped(c.shape.n), to_string(shown), duration(c.expected_seconds), std::string(name(c.origin))});
   }
@@ -136,7 +143,7 @@ Json to_json(const PlanSummary& s) {
                        {"n", c.shape.n},
                        {"nnz", c.shape.nnz},
                        {"fill", c.shape.fill},
-                       {"strategy", to_string(plan.strategy(c))},
+                       {"strategy", to_string(strategy_of(s, c))},
                        {"expected_seconds", c.expected_seconds},
                        {"origin", name(c.origin)},
                        {"reason", c.reason}});

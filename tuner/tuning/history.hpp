@@ -21,8 +21,8 @@ class History {
   void note(const std::string& family, const Candidate& candidate, const CandidateTimes& entry);
 
   // The reason why a candidate is hopeless for groups of n unknowns of the family; "": it is not. It is hopeless if at
-  // the two next smaller sizes it took more than twenty times the time of the leader and grew faster, or if its setup or
-  // one call is expected to take more than `seconds`, or the analysis of its backend without policies and lanes.
+  // the two next smaller sizes it took more than twenty times the time of the leader and grew faster, or if its setup,
+  // one call, or the analysis of its backend without policies and lanes is expected to take more than `seconds`.
   [[nodiscard]] std::string hopeless(const std::string& family, const Candidate& candidate, double n, double groups,
                                      double seconds) const;
 
