@@ -173,7 +173,9 @@ TEST(Db, PlansForAnotherMachine) {
   EXPECT_TRUE(known.json()["machine_code"].is_null());
   const Outcome unknown = plan("zzz");
   EXPECT_EQ(unknown.status, 2);
-  EXPECT_NE(unknown.err.find("has no machine zzz; it has " + other), std::string::npos) << unknown.err;
+  const std::string refusal = unknown.err + unknown.out;
+  EXPECT_NE(refusal.find("has no machine zzz; it has "), std::string::npos) << refusal;
+  EXPECT_NE(refusal.find(other), std::string::npos) << refusal;
 }
 
 TEST(Db, ExportsAndImports) {
