@@ -134,6 +134,7 @@ inline void fields(auto& a, Either<GroupedSystem> auto& s) {
 
 // ---- plan
 
+// Without Shape::one_program, which only predicts times: a saved plan has them.
 inline void fields(auto& a, Either<Shape> auto& s) {
   a(s.n, s.nnz, s.groups, s.rhs, s.fill, s.operations, s.depth, s.terms, s.pattern);
 }
