@@ -96,8 +96,7 @@ TEST(SampleCsv, HasALineForEachSample) {
   write_csv(out, std::vector{s});
   EXPECT_EQ(out.str(),
             "kernel,n,nnz,fill,operations,depth,terms,pattern,one_program,groups,strategy,seconds,spread,repetitions,"
-            "backward_error,"
-            "forward_error,raw_seconds,slowness\n"
+            "backward_error,forward_error,raw_seconds,slowness\n"
             "factor,3,9,9,9,0,0,3,0,1,groups/lanes:8,0.25,0.0025000000000000001,100,0,,0.375,1.5\n");
 }
 

@@ -15,8 +15,7 @@ std::string number(double value) { return std::isnan(value) ? "" : general(value
 
 void write_csv(std::ostream& out, std::span<const Sample> samples) {
   out << "kernel,n,nnz,fill,operations,depth,terms,pattern,one_program,groups,strategy,seconds,spread,repetitions,"
-         "backward_error,"
-         "forward_error,raw_seconds,slowness\n";
+         "backward_error,forward_error,raw_seconds,slowness\n";
   for (const Sample& s : samples) {
     const Shape& h = s.shape;
     out << name(s.kernel) << ',' << h.n << ',' << h.nnz << ',' << h.fill << ',' << h.operations << ',' << h.depth << ','
